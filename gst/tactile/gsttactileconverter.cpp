@@ -248,7 +248,7 @@ convert(GstTactileConverter *self, GstBuffer *buffer, CueForm form)
   const tactile::Grid caps_grid{ static_cast<int>(priv->rows), static_cast<int>(priv->columns) };
   tl::expected<Cue, tactile::FormatError> read
       = cue_from_buffer(buffer, form, form == CueForm::map ? caps_grid : priv->grid);
-  if (!read && form == CueForm::text && priv->grid && cue_is_remark(buffer))
+  if (!read && priv->grid && cue_is_remark(buffer, form))
     return GST_FLOW_OK;
   if (!read) {
     const std::string why = read.error().text();

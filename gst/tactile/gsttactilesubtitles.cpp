@@ -255,7 +255,7 @@ take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
   GST_OBJECT_UNLOCK(self);
   if (!follows)
     GST_INFO_OBJECT(self, "the subtitles are %s", read ? "a tactile track" : "to be read");
-  if (!read && follows && !cue_is_remark(buffer)) {
+  if (!read && follows && !cue_is_remark(buffer, form)) {
     warn_of_fault(self, buffer, read.error());
     return true;
   }

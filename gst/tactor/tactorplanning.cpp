@@ -41,18 +41,23 @@ TactorPlanning::set_caps(const GstCaps *caps)
   return stream_.set_caps(caps);
 }
 
-std::optional<TactorPlanning::Plan>
-TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment, std::optional<Time> now,
-                         tactor::PlannerSettings settings)
+TactorStream::Span
+TactorPlanning::shown(GstBuffer *buffer, const GstSegment &segment, std::optional<Time> now)
 {
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
   const GstClockTime duration = GST_BUFFER_DURATION(buffer);
-  const TactorStream::Span shown = stream_.shown(segment, pts, duration, last_end_, now);
   if (stream_.is_untimed(segment, pts, duration) && !std::exchange(warned_untimed_, true))
     GST_ELEMENT_WARNING(element_, STREAM, FORMAT,
                         ("The frames have no times: they are felt when they come."),
                         ("expected timestamps, which do-timestamp=true gives those of a live "
                          "source, or a framerate in the caps, got neither"));
+  return stream_.shown(segment, pts, duration, last_end_, now);
+}
+
+std::optional<TactorPlanning::Plan>
+TactorPlanning::plan_map(GstBuffer *buffer, TactorStream::Span shown,
+                         tactor::PlannerSettings settings)
+{
   TactorStream::Map map;
   const bool has_levels = stream_.read(buffer, map);
   if (!has_levels && stream_.is_map()) {

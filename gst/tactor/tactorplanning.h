@@ -36,11 +36,13 @@ public:
   /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
+  /// When a buffer is shown; `now` is as for TactorStream::shown(). A warning if nothing tells it.
+  TactorStream::Span shown(GstBuffer *buffer, const GstSegment &segment,
+                           std::optional<tactor::Time> now);
   /// Plans a buffer with the present settings and latency, but for those agreed on. None after an
   /// error message.
-  /// `now` is as for TactorStream::shown().
-  std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
-                               std::optional<tactor::Time> now, tactor::PlannerSettings settings);
+  std::optional<Plan> plan_map(GstBuffer *buffer, TactorStream::Span shown,
+                               tactor::PlannerSettings settings);
   /// As TactorStream::is_shown().
   bool is_shown(GstClockTime pts, GstClockTime duration, const GstSegment &segment) const;
   Plan plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment);

@@ -49,14 +49,15 @@ TactorPlay::play_map(GstBuffer *buffer, tactor::PlannerSettings settings)
   if (const std::optional<Time> starved = scheduler_.take_starved())
     planning_.silenced(*starved);
   const GstSegment now = segment();
-  if (session_.is_missed(now, GST_BUFFER_PTS(buffer)))
-    return GST_FLOW_OK;
+  TactorStream::Span shown = planning_.shown(buffer, now, paced_time());
   // The base class drops frames that a step skips, but not the one at its end.
-  if (!planning_.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), now))
+  const bool is_timed = now.format == GST_FORMAT_TIME && GST_BUFFER_PTS_IS_VALID(buffer);
+  if ((is_timed && session_.is_missed(shown))
+      || !planning_.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), now))
     return GST_FLOW_OK;
   settings.transport_latency = std::min(scheduler_.transport_latency(), session_.opening().latency);
   const std::optional<TactorPlanning::Plan> plan
-      = planning_.plan_map(buffer, now, paced_time(), std::move(settings));
+      = planning_.plan_map(buffer, shown, std::move(settings));
   if (!plan)
     return GST_FLOW_ERROR;
   if (sink_->flushing) // since the lock was released to post a message

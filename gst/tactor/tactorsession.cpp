@@ -2,7 +2,6 @@
 #include "tactorsession.h"
 
 #include "../latency.h"
-#include "../runningtime.h"
 #include "tactormessages.h"
 
 #include <algorithm>
@@ -140,15 +139,17 @@ TactorSession::opening()
 }
 
 bool
-TactorSession::is_missed(const GstSegment &segment, GstClockTime pts)
+TactorSession::is_missed(TactorStream::Span &shown)
 {
-  if (!opened_ || segment.format != GST_FORMAT_TIME)
+  if (!opened_)
     return false;
   const Time opened = read_timing().running_time(*opened_);
-  const std::optional<Time> shown = running_time::of(segment, pts);
-  const Time lead(static_cast<gint64>(gst_base_sink_get_render_delay(sink_)));
-  if (opened > Time(0) && shown && *shown < opened + lead)
-    return true;
+  const Time first = opened + Time(static_cast<gint64>(gst_base_sink_get_render_delay(sink_)));
+  if (opened > Time(0) && shown.start < first) {
+    if (shown.end() <= first)
+      return true;
+    shown = { .start = first, .duration = shown.end() - first };
+  }
   opened_.reset();
   return false;
 }

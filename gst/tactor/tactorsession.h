@@ -6,6 +6,7 @@
 #include "tactoropening.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
+#include "tactorstream.h"
 #include "tactortiming.h"
 
 #include <gst/base/gstbasesink.h>
@@ -32,10 +33,10 @@ public:
   GstFlowReturn wait_until_open();
   /// Streaming thread only, when the board is open.
   TactorOpening &opening();
-  /// Whether a frame of a live play was due while the board was being opened. Always false from the
-  /// first frame on that was not, and where the board was open before the play began. Streaming
-  /// thread only.
-  bool is_missed(const GstSegment &segment, GstClockTime pts);
+  /// Whether a map of a live play was over before the board was open. Of one that goes on, `shown`
+  /// becomes the rest. Always false from the first such map on, and where the board was open before
+  /// the play began. Streaming thread only.
+  bool is_missed(TactorStream::Span &shown);
 
   /// Posts a message, at most every 5 s, if commands were late since the last call. Streaming
   /// thread only.

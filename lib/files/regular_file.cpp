@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "files/regular_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
@@ -33,40 +34,54 @@ kind_of(mode_t mode)
                           : "a device";
 }
 
-tl::expected<void, Error>
-expect_kind(const struct stat &status, bool takes_devices)
+/// A pipe that this process was given to write to has a reader already, such as /dev/stdout.
+bool
+is_own_output(const struct stat &pipe)
 {
-  if (S_ISREG(status.st_mode) || (takes_devices && S_ISCHR(status.st_mode)))
+  return std::ranges::any_of(std::array{ STDOUT_FILENO, STDERR_FILENO }, [&](int own) {
+    struct stat status
+    {
+    };
+    return fstat(own, &status) == 0 && status.st_dev == pipe.st_dev && status.st_ino == pipe.st_ino;
+  });
+}
+
+/// `writes`: what takes data as a file does will do.
+tl::expected<void, Error>
+expect_kind(const struct stat &status, bool writes)
+{
+  if (S_ISREG(status.st_mode) || (writes && S_ISCHR(status.st_mode))
+      || (writes && S_ISFIFO(status.st_mode) && is_own_output(status)))
     return {};
   return refused(std::string("expected a regular file, got ") + kind_of(status.st_mode));
 }
 
 tl::expected<void, Error>
-expect_kind(const File &file, bool takes_devices)
+expect_kind(const File &file, bool writes)
 {
   struct stat status
   {
   };
   if (fstat(file.descriptor(), &status) != 0)
     return failed(errno);
-  return expect_kind(status, takes_devices);
+  return expect_kind(status, writes);
 }
 
 /// With O_NONBLOCK, a pipe that takes the name in between is not waited for either.
 tl::expected<File, Error>
-open_checked(const std::string &path, int flags, bool takes_devices)
+open_checked(const std::string &path, int flags, bool writes)
 {
   struct stat status
   {
   };
   // Some devices do something as soon as they are opened. Where there is none, open() tells why.
   if (stat(path.c_str(), &status) == 0)
-    if (const auto expected = expect_kind(status, takes_devices); !expected)
+    if (const auto expected = expect_kind(status, writes); !expected)
       return tl::unexpected(expected.error());
   File file(open(path.c_str(), flags | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0666));
   if (!file)
     return failed(errno);
-  if (const auto expected = expect_kind(file, takes_devices); !expected)
+  if (const auto expected = expect_kind(file, writes); !expected)
     return tl::unexpected(expected.error());
   return file;
 }

@@ -64,8 +64,9 @@ tl::expected<void, Error> expect_regular(const File &file);
 tl::expected<std::string, Error> read(const File &file, std::size_t most);
 tl::expected<std::string, Error> read(const std::string &path, std::size_t most);
 
-/// Creates or empties a file for writing, which never waits: a pipe is refused; a device, such as a
-/// terminal, fails a write for which it has no room.
+/// Creates or empties a file for writing, which never waits: a pipe is refused, but for this
+/// process's own output and errors (/dev/stdout). A device, such as a terminal, and that pipe fail
+/// a write for which they have no room.
 tl::expected<File, Error> create(const std::string &path);
 
 } // namespace files

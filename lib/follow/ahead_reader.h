@@ -33,6 +33,11 @@ public:
   virtual void seek(Time to, bool exactly) = 0;
   /// Why nothing more comes; empty: it may.
   virtual std::string failure() = 0;
+  /// Whether that is a fault of a track, rather than of its file.
+  virtual bool is_faulty() const
+  {
+    return false;
+  }
 };
 
 /// Reads a film's maps ahead of where it plays: first what plays next, then up to ten minutes
@@ -84,6 +89,11 @@ public:
   const std::string &failure() const
   {
     return failure_;
+  }
+  /// As MapSource::is_faulty().
+  bool is_faulty() const
+  {
+    return source_->is_faulty();
   }
 
 private:

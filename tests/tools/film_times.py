@@ -6,9 +6,9 @@ begins where ffprobe and mpv show it. Also films whose frames' times do not adva
 Each film is one second of gray, then a ball that leaps to another place each half second. ffmpeg makes the containers, from one stream where they take
 it, and ffprobe and mpv (by its socket) say at which time their 0:00 has the first picture.
 
-GStreamer's players play a track beside the film: its cues are on the frames that they were made for, before and after a seek.
+GStreamer's players play a track beside the film and one that was muxed: its cues are on the frames that they were made for, beside it after a seek, too.
 
-Prints a table. Usage: film_times.py [PART ...]      of containers, players, beside, foreign, animations
+Prints a table. Usage: film_times.py [PART ...]      of containers, players, beside, muxed, foreign, animations
 Expects TRACK, the plugins on GST_PLUGIN_PATH, ffmpeg and mpv. Files of ../shared/data/files are looked at where they are there."""
 
 import json
@@ -83,20 +83,22 @@ def packets_start(film):
     told = json.loads(run("ffprobe", "-v", "error", "-show_entries", "format=start_time", "-select_streams", "v", "-show_entries",
                           "frame=best_effort_timestamp_time", "-read_intervals", "%+#8", "-of", "json", film))
     first = min(float(frame["best_effort_timestamp_time"]) for frame in told["frames"])
-    # As mpv, which does not take the start of an MP4 away.
-    return first - (0 if film.suffix in (".mp4", ".mov") else float(told["format"]["start_time"]))
+    start = float(told["format"]["start_time"])
+    # As mpv, which does not take the start of an MP4 away, nor one before 0 in Matroska, as that of Opus.
+    is_taken = film.suffix not in (".mp4", ".mov") and not (film.suffix in (".mkv", ".webm") and start < 0)
+    return first - (start if is_taken else 0)
 
 
 class Mpv(MpvSocket):
     """Stands at the first picture."""
 
-    def __init__(self, film):
+    def __init__(self, film, *options):
         super().__init__(str(work / "mpv.sock"))
         pathlib.Path(self.path).unlink(missing_ok=True)
-        self.process = subprocess.Popen(["mpv", "--no-config", "--vo=null", "--ao=null", "--pause", f"--input-ipc-server={self.path}", str(film)],
+        self.process = subprocess.Popen(["mpv", "--no-config", "--vo=null", "--ao=null", "--pause", *options, f"--input-ipc-server={self.path}", str(film)],
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.wait_until("mpv's socket", self.connects)
-        self.told = self.line.makefile("r", encoding="utf-8")
+        self.told, self.asked = self.line.makefile("r", encoding="utf-8"), 0
 
     @staticmethod
     def wait_until(what, is_true):
@@ -106,8 +108,9 @@ class Mpv(MpvSocket):
             time.sleep(0.01)
 
     def get(self, name):
-        self.command("get_property", name)
-        while "error" not in (answer := json.loads(self.told.readline())):
+        self.asked += 1
+        self.line.sendall((json.dumps({"command": ["get_property", name], "request_id": self.asked}) + "\n").encode())
+        while (answer := json.loads(self.told.readline())).get("request_id") != self.asked:
             pass
         return answer.get("data")
 
@@ -119,6 +122,10 @@ class Mpv(MpvSocket):
             self.command("frame-step")
             self.wait_until("the next picture", lambda: self.get("time-pos") != before and self.get("pause"))
         return self.get("time-pos")
+
+    def seek(self, to):
+        self.command("seek", to - FRAME / 4, "absolute+exact")
+        self.wait_until(f"the picture at {to:.3f} s", lambda: abs((self.get("time-pos") or 0) - to) < SAME)
 
     def quit(self):
         self.process.kill()
@@ -162,27 +169,53 @@ def players():
 
 
 class Playbin:
-    """Plays a film and a track beside it, as fast as it can, and keeps what each frame has."""
+    """Plays a film and a track beside it or in it, as fast as it can, and keeps what each frame has."""
 
-    def __init__(self, kind, film, track):
+    def __init__(self, kind, film, track=None):
         self.maps = {}  # frame's stream time in ns → whether it is felt
-        self.has_cue = threading.Event()
+        self.has_cue, self.has_text = threading.Event(), threading.Event()
         self.play = Gst.ElementFactory.make(kind)
         self.play.connect("deep-element-added", self._listen)
+        self.play.get_by_name("playsink").connect("pad-added", self._hold)
         sink = Gst.parse_bin_from_description(
             "tactileextractor name=x x.src ! queue ! fakesink x.tactile ! queue ! appsink name=maps sync=false emit-signals=true", True)
         sink.get_by_name("maps").connect("new-sample", self._keep)
-        for name, value in (("uri", film.as_uri()), ("suburi", track.as_uri()), ("video-sink", sink), ("audio-sink", Gst.ElementFactory.make("fakesink"))):
+        for name, value in (("uri", film.as_uri()), ("suburi", track and track.as_uri()), ("video-sink", sink), ("audio-sink", Gst.ElementFactory.make("fakesink"))):
             self.play.set_property(name, value)
         self.bus = self.play.get_bus()
-        self.pause()
+        self.is_beside = track is not None
+        self.frames = 0
+        if self.is_beside:
+            self.pause()
 
     def _listen(self, _top, _bin, element):
         if element.get_factory() and element.get_factory().get_name() == "tactilesubtitles":
-            element.get_static_pad("text_sink").add_probe(Gst.PadProbeType.BUFFER, self._heard)
+            element.get_static_pad("text_sink").add_probe(Gst.PadProbeType.BUFFER | Gst.PadProbeType.EVENT_DOWNSTREAM, self._heard)
 
-    def _heard(self, _pad, _info):
-        self.has_cue.set()
+    def _hold(self, _playsink, pad):
+        """playbin3 may show the film's first frame before it has looked at the track, and takes no more streams in while that frame stands."""
+        if pad.get_name().startswith("text"):
+            self.has_text.set()
+        elif pad.get_name().startswith("video"):
+            pad.add_probe(Gst.PadProbeType.BUFFER, self._wait)
+
+    def _wait(self, _pad, _info):
+        """Nor does a film that is played so fast wait for the track in it."""
+        self.has_text.wait(LATEST)
+        self.frames += 1
+        if self.frames == 45 and not self.is_beside:
+            self.has_cue.wait(LATEST)
+        return Gst.PadProbeReturn.OK
+
+    def _heard(self, _pad, info):
+        if info.type & Gst.PadProbeType.BUFFER:
+            time_ = info.get_buffer().pts
+        elif info.get_event().type == Gst.EventType.GAP and info.get_event().get_structure().has_field("tactile-packet"):
+            time_, _ = info.get_event().parse_gap()
+        else:
+            return Gst.PadProbeReturn.OK
+        if self.is_beside or time_ > 1.5 * Gst.SECOND:
+            self.has_cue.set()
         return Gst.PadProbeReturn.OK
 
     def pause(self):
@@ -217,14 +250,49 @@ class Playbin:
         self.play.set_state(Gst.State.NULL)
 
 
+def make_track(path, film):
+    """A cue for the frames from the 50th to the 59th, silence for the others."""
+    begin, end = (f"00:00:0{packets_start(film) + number * FRAME - 0.001:.3f}" for number in (50, 60))
+    path.write_text(f"WEBVTT\n\nNOTE tactile grid=1x1 rate=5\n\n{begin} --> {end}\n100\n", encoding="utf-8")
+
+
+def muxed():
+    """A film that mux has written, from and to each kind of container. mpv shows the cue as what it is for it, subtitles, but for KLV, which it passes over.
+    playbin3 of GStreamer 1.22 does not select KLV."""
+    track = work / "muxed.vtt"
+    ffmpeg("sound.webm", "-i", work / "sound.mp4", "-c:v", "libvpx", "-deadline", "realtime", "-cpu-used", "8", "-b:v", "1M", "-c:a", "libopus")
+    ffmpeg("sound.mov", "-i", work / "sound.mp4", "-c", "copy")
+    for source, ending in (("sound.mp4", "mkv"), ("sound.webm", "mkv"), ("late_picture.mkv", "mkv"), ("sound.mov", "mp4"), ("10h.mkv", "mp4"), ("sound.mp4", "ts"), ("sound.ts", "ts")):
+        film = work / f"muxed.{ending}"
+        make_track(track, work / source)
+        done = subprocess.run([TRACK, "mux", "-f", work / source, track, "-o", film], capture_output=True, text=True, timeout=3 * LATEST, check=False)
+        assert done.returncode in (0, 3), done  # 3: names that the container cannot hold
+        for kind in ("playbin", "playbin3") if ending != "ts" else ("playbin",):
+            play = Playbin(kind, film)
+            play.play_to_end()
+            play.quit()
+            on = [number for number, time_ in enumerate(sorted(play.maps)) if play.maps[time_]]
+            assert on == list(range(50, 60)), f"{source} in {ending}, {kind}: felt at the frames {on}"
+        mpv = Mpv(film, "--sid=1")
+        at = mpv.first_picture() - 2 * FRAME
+        if ending == "ts":
+            told = json.loads(run("ffprobe", "-v", "error", "-show_entries", "format=start_time:packet=pts_time", "-select_streams", "d", "-of", "json", film))
+            times = [float(packet["pts_time"]) - float(told["format"]["start_time"]) for packet in told["packets"]]
+            # The last packet is the cue, which says its end itself.
+            assert abs(times[-1] - at - 50 * FRAME) < 2 * SAME, (source, at, times)
+        else:
+            for number, is_shown in ((50, True), (49, False), (59, True), (60, False)):
+                mpv.seek(at + number * FRAME)
+                Mpv.wait_until(f"{'a' if is_shown else 'no'} cue at frame {number} of {source} in {ending}", lambda: (mpv.get("sub-text") == "100") == is_shown)
+        mpv.quit()
+
+
 def beside():
-    """Cues for the frames from the 50th to the 59th. GStreamer begins to play before it knows of sound that is earlier than the picture, here 11 or 23 ms:
+    """GStreamer begins to play before it knows of sound that is earlier than the picture, here 11 or 23 ms:
     then they may be one frame late."""
     for name in ("silent.mp4", "silent.ts", "sound.ts", "sound.mpg", "10h.mkv"):
         film, track = work / name, work / "beside.vtt"
-        first = packets_start(film)
-        begin, end = (f"00:00:0{first + number * FRAME - 0.001:.3f}" for number in (50, 60))
-        track.write_text(f"WEBVTT\n\nNOTE tactile grid=1x1 rate=5\n\n{begin} --> {end}\n100\n", encoding="utf-8")
+        make_track(track, film)
         for kind in ("playbin", "playbin3"):
             play = Playbin(kind, film, track)
             play.play_to_end()
@@ -261,10 +329,10 @@ def animations():
     assert done.returncode == 0 or (done.returncode == 1 and "nothing comes after 30 frames" in done.stderr and not (work / "short.vtt").exists()), done
 
 
-# "beside" is by hand: in players under load its cue did not come now and then.
+# "beside" is by hand: in playbin its cue does not come now and then.
 try:
     make_films()
-    for part in [globals()[name] for name in sys.argv[1:]] or [containers, players, foreign, animations]:
+    for part in [globals()[name] for name in sys.argv[1:]] or [containers, players, muxed, foreign, animations]:
         begin = time.monotonic()
         part()
         print(f"{part.__name__}: {time.monotonic() - begin:.1f} s", flush=True)

@@ -4,7 +4,7 @@
 session, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone. logind is dbusmock's.
 
 Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, faulty, status, activation, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, uneven, library, faulty, status, activation, ways_out; all by default"""
 
 import os
 import pathlib
@@ -16,6 +16,7 @@ import time
 
 import dbus
 import dbusmock
+import follow_trace
 from follow_stage import FOLLOW, LATEST, NAME, PATH, Follower, Mpv, make_film, make_track, run, session, start, start_bus, vest, wait_until, work
 
 TRACK = os.environ["TRACK"]
@@ -109,13 +110,14 @@ def embedded():
     black = make_film("black.mkv", 12, pattern=None)
     pulses = work / "pulses" / "pulses.csv"
     make_track(pulses, 12)
-    for ending in ("mkv", "mp4"):  # a transport stream is not felt here since it is copied by ffmpeg: open
+    for ending in ("mkv", "mp4", "ts"):
         carrier = black.with_name(f"carrier.{ending}")
         muxed = track("mux", "-q", str(black), str(pulses), "-o", str(carrier))
         assert muxed.returncode in (0, 3), muxed  # 3: names that the container cannot hold
-        mpv = Mpv(carrier, "--start=9")
+        mpv = Mpv(carrier, "--start=9", "--pause")
         follower = Follower(mpv, "--no-drafts")
         follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
+        mpv.command("set_property", "pause", False)
         vest.wait_to_feel()
         # The film ends.
         mpv.process.wait(LATEST)
@@ -133,6 +135,29 @@ def embedded():
     follower.end()
     mpv.quit()
     shutil.rmtree(black.parent)
+
+
+def uneven():
+    """Frames that are up to 0.6 s apart. Each pulse is felt once, as far from the first as in the track."""
+    film, trace = work / "films" / "uneven.mkv", work / "uneven.csv"
+    film.parent.mkdir(exist_ok=True)
+    subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=160x120:rate=25:duration=8", "-vf", "select='lt(t,1.5)+gt(t,6)+not(mod(n,15))'",
+                    "-vsync", "vfr", "-c:v", "libx264", "-preset", "ultrafast", str(film)], check=True)
+    pulses = [(2, 0.7), (3, 0.7), (4, 0.7), (5, 0.7), (6, 0.7)]
+    follow_trace.make_track(film.with_suffix(".csv"), pulses, 8)
+    mpv = Mpv(film, "--pause")
+    with open(work / "log", "w", encoding="utf-8") as log:
+        follower = start(FOLLOW, f"--mpv={mpv.path}", "--driver=simulator", f"--trace={trace}", "--no-drafts", stderr=log)
+    wait_until("the track", lambda: "plays 'uneven.mkv' with" in (work / "log").read_text(encoding="utf-8"))
+    mpv.command("set_property", "pause", False)
+    mpv.process.wait(LATEST)
+    follower.send_signal(signal.SIGINT)
+    assert follower.wait(LATEST) == 0
+    felt = follow_trace.onsets(follow_trace.read_trace(trace))
+    assert len(felt) == len(pulses), f"{len(felt)} onsets at {felt}, expected {len(pulses)}"
+    off = [at - felt[0] - (second - pulses[0][0]) for at, (second, _) in zip(felt, pulses)]
+    assert max(map(abs, off)) < 0.2, f"off by {off} s"
+    shutil.rmtree(film.parent)
 
 
 def library():
@@ -188,6 +213,23 @@ def faulty():
         follower.end()
         mpv.quit()
         path.unlink()
+    # In the film's file.
+    own, carrier = work / "own.srt", film.with_name("carrier.mkv")
+    cue = lambda begin, text: f"1\n00:00:0{begin},000 --> 00:00:0{begin},900\n{text}\n\n"
+    for text, where in (("101", "the cue at 00:00:03.000: "), ("1 2", "the cue at 00:00:03.000: a map of another grid")):
+        own.write_text(cue(1, 100) + cue(2, "What a blow!") + cue(3, text) + cue(4, 100), encoding="utf-8")
+        subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", str(film), "-i", str(own), "-c:v", "copy", "-c:s", "srt", "-metadata:s:s:0", "title=Tactile",
+                        "-metadata:s:s:0", "language=zxx", str(carrier)], check=True)
+        mpv = Mpv(carrier, "--loop")
+        follower = Follower(mpv)
+        follower.wait_for(f"nothing is felt of 'carrier.mkv': its track is faulty: '{carrier}': {where}")
+        assert f"fault:    '{carrier}': {where}" in ask("--status")
+        ask("--pass-over")
+        follower.wait_for("plays 'carrier.mkv' with a draft")
+        follower.end()
+        mpv.quit()
+        extracted = track("extract", str(carrier), "-o", str(work / "extracted.vtt"))
+        assert extracted.returncode == 1 and where in extracted.stderr, extracted
     # Subtitles are nobody's track, whatever they are.
     film.with_suffix(".vtt").write_text("WEBVTT\n\n00:02.000 --> 00:03.000\n1984: London\n\n00:01.000 --> 00:01.500\n100\n", encoding="utf-8")
     mpv = Mpv(film, "--loop")
@@ -421,4 +463,4 @@ def active_changed(active):
     return message
 
 
-run({"drafts": drafts, "embedded": embedded, "library": library, "faulty": faulty, "status": status, "activation": activation, "ways_out": ways_out})
+run({"drafts": drafts, "embedded": embedded, "uneven": uneven, "library": library, "faulty": faulty, "status": status, "activation": activation, "ways_out": ways_out})

@@ -57,6 +57,7 @@ FILMS = {
     "hours.ts": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
     "hours.mkv": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
     "blu_ray.m2ts": (f"{PICTURE} {SOUND} {X264} -c:a ac3 -mpegts_m2ts_mode 1", {}),
+    "tracked.ts": ("TRACK", {}),
     "programs.ts": (f"{PICTURE} {SOUND} {PICTURE} {X264} -c:a aac -map 0 -map 1 -map 2 -program st=0:st=1 -program st=2", {}),
     "rotated.mov": ("ROTATE", {"ts": ["display matrix 'rotation=90'", "^video 0: side"]}),
     "many.mkv": (f"{PICTURE} {SOUND} {OTHER_SOUND} {WORDS} {X264} -map 0 -map 1 -map 2 -map 3 -map 4 -c:a libvorbis -c:s:0 srt -c:s:1 ass"
@@ -85,7 +86,7 @@ FILMS["shared/base.mkv"] = (None, {"ts": ["language 'eng'", "^video 0: language"
 # What the suite tries. Others take the same ways: they are tried with --all.
 CHOSEN = {"bframes.mkv": "mp4 ts", "edit_list.mp4": "mkv ts", "fragments.mp4": "ts", "hdr.mkv": "mp4", "hdr.mp4": "mkv", "alpha.webm": "mkv mp4", "opus.webm": "mkv", "vp8.webm": "ts",
           "ps.mpg": "mkv mp4", "mpeg2.ts": "ts", "h264.avi": "mkv mp4", "xvid.avi": "mp4", "raw.h264": "mkv", "prores.mov": "mkv", "wrap.ts": "mkv", "hours.mkv": "mp4",
-          "programs.ts": "ts", "rotated.mov": "mkv ts", "many.mkv": "mkv mp4 ts", "many.mp4": "mkv mp4", "cover.mp4": "mkv mp4", "stereo.mkv": "mp4", "vfr.mkv": "mp4"}
+          "programs.ts": "ts", "tracked.ts": "mkv ts", "rotated.mov": "mkv ts", "many.mkv": "mkv mp4 ts", "many.mp4": "mkv mp4", "cover.mp4": "mkv mp4", "stereo.mkv": "mp4", "vfr.mkv": "mp4"}
 
 CUES = [(0.0, 0.4, 0), (0.4, 0.8, 75), (0.8, 1.2, 0), (1.2, 1.72, 100), (1.72, 2.0, 0)]
 
@@ -107,7 +108,10 @@ def make(folder, name, line):
     if line is None:
         path = os.path.join(SHARED, os.path.basename(name))
         return path if os.path.exists(path) else None
-    if line == "ROTATE":
+    if line == "TRACK":  # an older one, which is replaced
+        ffmpeg(f"{PICTURE} {SOUND} {X264} -c:a aac plain.ts")
+        run(TRACK, "mux", "plain.ts", "track.vtt", "-o", path)
+    elif line == "ROTATE":
         ffmpeg(f"{PICTURE} {SOUND} {X264} -c:a aac upright.mov")
         ffmpeg(f"-i upright.mov -c copy -metadata:s:v rotate=90 {path}")
     else:

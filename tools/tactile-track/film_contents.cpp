@@ -172,6 +172,8 @@ FilmStream
 stream_of(JsonObject *from)
 {
   FilmStream stream{ .kind = value(from, "codec_type"), .codec = value(from, "codec_name") };
+  if (const std::string id = value(from, "id"); id.starts_with("0x"))
+    std::from_chars(id.data() + 2, id.data() + id.size(), stream.id, 16);
   if (stream.codec == "mp2")
     stream.codec = "mp3"; // of one type in MP4
   if (stream.codec.empty())

@@ -26,6 +26,7 @@ struct FilmStream
 
   std::string kind; ///< video, audio, subtitle, data, attachment or kChapters
   std::string codec;
+  int id = -1; ///< of its container, such as a transport stream's PID
   Facts facts{};
   std::vector<Packet> packets{}; ///< in the file's order
 

@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -205,7 +206,37 @@ open_file(const std::string &path, const char *mode)
   return file;
 }
 
+using TransportPacket = std::array<std::uint8_t, tactile::TransportTrack::kPacket>;
+
+/// Returns how many bytes there were.
+std::size_t
+read_packet(const File &file, TransportPacket &packet)
+{
+  signals_stop_here();
+  return std::fread(packet.data(), 1, packet.size(), file.get());
+}
+
 } // namespace
+
+std::vector<int>
+older_tracks(const std::string &path, const FilmContents &film)
+{
+  std::vector<int> older;
+  std::set<int> pids;
+  if (film.is_in("mpegts")
+      && std::ranges::any_of(film.streams, [](const auto &one) { return one.codec == "klv"; })) {
+    tactile::TransportTrack track({}, 0);
+    const File file = open_file(path, "rbe");
+    for (TransportPacket packet{}; read_packet(file, packet) == packet.size();)
+      track.scan(packet);
+    pids = track.old_tracks();
+  }
+  for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
+    if (const FilmStream &stream = film.streams[static_cast<std::size_t>(i)];
+        stream.is_tactile() || (stream.codec == "klv" && pids.contains(stream.id)))
+      older.push_back(i);
+  return older;
+}
 
 void
 copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
@@ -217,7 +248,8 @@ copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
     add(arguments, "--engage", "native_mpeg4"); // with times of presentation
   std::string others;
   for (const int index : what.taken_out)
-    others += (others.empty() ? "!" : ",") + std::to_string(index);
+    if (what.film.streams[static_cast<std::size_t>(index)].kind == "subtitle")
+      others += (others.empty() ? "!" : ",") + std::to_string(index);
   if (!others.empty())
     add(arguments, "--subtitle-tracks", others);
   add(arguments, alone(what.path));
@@ -340,12 +372,10 @@ copy_transport_stream(const FilmAndTrack &what, const std::string &from, double 
   tactile::TransportTrack track(what.cues, std::llround(at * 90'000));
   const File film = open_file(from, "rbe");
   const File copy = open_file(to, "wbe");
-  std::array<std::uint8_t, TransportTrack::kPacket> packet{};
+  TransportPacket packet{};
   std::size_t size = 0;
   const auto next = [&] {
-    size = std::fread(packet.data(), 1, packet.size(), film.get());
-    signals_stop_here();
-    return size == packet.size();
+    return (size = read_packet(film, packet)) == packet.size();
   };
   while (next())
     track.scan(packet);

@@ -28,6 +28,9 @@ struct FilmAndTrack
   bool first = false;      ///< the track comes before the film's subtitles
 };
 
+/// The streams that are tracks: subtitles, or KLV of ours. Reads a transport stream that has KLV.
+std::vector<int> older_tracks(const std::string &path, const FilmContents &film);
+
 /// The share of a step that is done, from 0 to 1.
 using OnProgress = std::function<void(double)>;
 

@@ -279,10 +279,11 @@ mux(int argc, char **argv)
     const FilmContents film = read_contents(path, [](double) {});
     if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
       throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
-    FilmAndTrack what{ .path = path, .film = film, .first = first != FALSE };
+    FilmAndTrack what{
+      .path = path, .film = film, .taken_out = older_tracks(path, film), .first = first != FALSE
+    };
     for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
-      if (const FilmStream &stream = film.streams[static_cast<std::size_t>(i)];
-          stream.is_tactile() || stream.kind == FilmStream::kChapters)
+      if (film.streams[static_cast<std::size_t>(i)].kind == FilmStream::kChapters)
         what.taken_out.push_back(i);
     what.cues
         = tactile::cues_of(container == Container::transport_stream

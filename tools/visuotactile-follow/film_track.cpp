@@ -104,7 +104,11 @@ FilmTrack::step(Time position, Time now)
     events_.told("'" + film_name(film_)
                  + "' is decoded more slowly than it plays: parts of it are not felt;"
                    " tactile-track author makes its track beforehand");
-  if (!reader_->failure().empty())
+  if (!reader_->failure().empty() && reader_->is_faulty())
+    stop_at({ .path = path_,
+              .fault = "'" + path_ + "': " + reader_->failure(),
+              .version = DraftCache::version(path_) });
+  else if (!reader_->failure().empty())
     fail(reader_->failure());
   else if (reader_->is_complete())
     complete();
@@ -137,6 +141,10 @@ FilmTrack::play(const FoundTrack &found)
 void
 FilmTrack::stop_at(const FoundTrack &faulty)
 {
+  if (std::exchange(reader_, nullptr)) {
+    what_.clear();
+    events_.found(nullptr);
+  }
   fault_ = faulty.fault;
   faulty_ = faulty.path;
   versions_[faulty.path] = faulty.version;
@@ -163,7 +171,7 @@ FilmTrack::pass_over()
 void
 FilmTrack::look_in_file()
 {
-  reads_file_ = file_.may_have_track;
+  reads_file_ = file_.may_have_track && !passed_over_.contains(path_);
   if (!reads_file_) {
     look_in_folder();
     return;

@@ -16,8 +16,9 @@
 
 /// Where a film's track comes from. Of these the first that there is: a file beside the film, the
 /// film's own file, the user's folder of tracks, a draft of an earlier time, a draft that is made
-/// ahead of the position while the film plays. A faulty file ends the search, and nothing is felt:
-/// until it changes or is passed over. Of the main context's thread, which it does not hold up.
+/// ahead of the position while the film plays. A faulty track ends the search, and nothing is felt:
+/// until its file changes or is passed over. Of the main context's thread, which it does not hold
+/// up.
 class FilmTrack
 {
 public:

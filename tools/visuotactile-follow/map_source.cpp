@@ -4,6 +4,7 @@
 #include "film/background.h"
 #include "film/film.h"
 #include "gst/cues/cue_stream.h"
+#include "tracks/formats/webvtt_timing.h"
 
 #include <gst/app/gstappsink.h>
 
@@ -88,6 +89,10 @@ public:
     }
     return failure_;
   }
+  bool is_faulty() const override
+  {
+    return is_faulty_;
+  }
 
 protected:
   PipelineSource(int precisely, Time start) : start_(start), precisely_(precisely)
@@ -123,6 +128,14 @@ protected:
 
   virtual void sought() = 0;
 
+  /// By whoever takes.
+  void find_fault(std::string fault)
+  {
+    is_faulty_ = is_faulty_ || failure_.empty();
+    if (failure_.empty())
+      failure_ = std::move(fault);
+  }
+
   const Time start_; ///< stream time of the film's 0:00
   Pipeline pipeline_;
 
@@ -137,6 +150,7 @@ private:
 
   const int precisely_; ///< flags of a seek
   std::string failure_;
+  bool is_faulty_ = false;
   std::atomic<bool> is_open_{ false };
 };
 
@@ -317,13 +331,21 @@ private:
         return std::nullopt;
       stream.grid = { cue->map.rows, cue->map.columns };
     }
-    if (!cue || !GST_CLOCK_TIME_IS_VALID(time)
-        || tactile::Grid{ cue->map.rows, cue->map.columns } != *stream.grid)
-      return std::nullopt; // such as a designer's remark
+    if (!GST_CLOCK_TIME_IS_VALID(time) || (!cue && cue_is_remark(buffer, stream.form)))
+      return std::nullopt;
+    const Time begin = Time(static_cast<Time::rep>(time)) - start_;
+    if (cue && tactile::Grid{ cue->map.rows, cue->map.columns } != *stream.grid)
+      cue = tl::unexpected(tactile::FormatError{
+          .place = {}, .reason = "a map of another grid than the first one's" });
+    if (!cue) {
+      find_fault("the cue at " + tactile::write_webvtt_timestamp(begin) + ": "
+                 + cue.error().text());
+      return std::nullopt;
+    }
     Time duration = cue->end > Time(0) ? cue->end : kDefaultDuration;
     if (GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0)
       duration = Time(static_cast<Time::rep>(GST_BUFFER_DURATION(buffer)));
-    cue->begin = Time(static_cast<Time::rep>(time)) - start_;
+    cue->begin = begin;
     cue->end = cue->begin + duration;
     cue->begin = std::max(cue->begin, Time(0));
     return *std::move(cue);

@@ -136,13 +136,14 @@ cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Gr
 }
 
 bool
-cue_is_remark(GstBuffer *text)
+cue_is_remark(GstBuffer *buffer, CueForm form)
 {
   GstMapInfo info;
-  if (!gst_buffer_map(text, &info, GST_MAP_READ))
+  if ((form != CueForm::text && form != CueForm::block)
+      || !gst_buffer_map(buffer, &info, GST_MAP_READ))
     return false;
   const std::string_view words(reinterpret_cast<const char *>(info.data), info.size);
-  const bool is_remark = tactile::is_remark(words.substr(0, words.find('\0')));
-  gst_buffer_unmap(text, &info);
+  const bool is_remark = tactile::is_remark(cue_text(words, form));
+  gst_buffer_unmap(buffer, &info);
   return is_remark;
 }

@@ -49,5 +49,5 @@ GstBuffer *cue_gap_get_packet(GstEvent *gap);
 tl::expected<tactile::Cue, tactile::FormatError>
 cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid);
 
-/// Whether a text is a remark among the maps of a track (tactile::is_remark()).
-bool cue_is_remark(GstBuffer *text);
+/// Whether a buffer is a remark among the maps of a track (tactile::is_remark()).
+bool cue_is_remark(GstBuffer *buffer, CueForm form);

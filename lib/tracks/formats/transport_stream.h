@@ -50,6 +50,12 @@ public:
   /// After scan(): whether there is a program with a picture, to which the track can be added.
   tl::expected<void, std::string> check() const;
 
+  /// After scan(): the PIDs of older tracks.
+  const std::set<int> &old_tracks() const
+  {
+    return old_tracks_;
+  }
+
   /// Appends to `out` what the packet becomes: itself, cues before it, or nothing.
   void copy(Packet packet, std::vector<std::uint8_t> &out);
 

@@ -151,6 +151,28 @@ GST_START_TEST(test_clipped_by_the_segment)
 }
 GST_END_TEST;
 
+/// The pad's offset puts a second of the stream before the pipeline's zero: it is not heard, and
+/// does not put off what follows.
+GST_START_TEST(test_negative_running_time)
+{
+  const Ones ones;
+  Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
+  GstElement *element = gst_harness_find_element(synth.h, "tactilesynth");
+  GstPad *pad = gst_element_get_static_pad(element, "sink");
+  gst_pad_set_offset(pad, -static_cast<gint64>(GST_SECOND));
+  gst_object_unref(pad);
+  gst_object_unref(element);
+  synth.repeat({ 0 }, 5);
+  synth.repeat({ 1 }, 5); // to 400 ms
+  synth.repeat({ 0 }, 15);
+  synth.repeat({ 0.5F }, 10); // 1000 to 1400 ms
+  synth.end();
+  fail_unless_equals_uint64(*synth.first, 0);
+  fail_unless_near(synth.at(200 * GST_MSECOND), 0.5, 1e-6);
+  fail_unless_within(synth.reaches(0.25F, 200 * GST_MSECOND, true), 400 * GST_MSECOND, GST_MSECOND);
+}
+GST_END_TEST;
+
 static Suite *
 tactilesynth_stream_suite(void)
 {
@@ -164,6 +186,7 @@ tactilesynth_stream_suite(void)
   tcase_add_test(tcase, test_rates);
   tcase_add_test(tcase, test_segment_without_flush);
   tcase_add_test(tcase, test_clipped_by_the_segment);
+  tcase_add_test(tcase, test_negative_running_time);
   return suite;
 }
 

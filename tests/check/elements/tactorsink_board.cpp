@@ -99,7 +99,7 @@ public:
       levels.push_back(static_cast<gfloat>(duty) / 255.0f);
     GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
     GST_BUFFER_PTS(map) = frame++ * 40 * GST_MSECOND;
-    GST_BUFFER_DURATION(map) = 40 * GST_MSECOND;
+    GST_BUFFER_DURATION(map) = length;
     ck_assert_int_eq(gst_pad_chain(pad, map), GST_FLOW_OK);
   }
   /// Waits until these pins of a board have these duties.
@@ -139,6 +139,7 @@ public:
   ElementBus messages{ element };
   GstPad *pad;
   guint frame = 0;
+  GstClockTime length = 40 * GST_MSECOND; ///< of a map
 };
 
 } // namespace
@@ -366,39 +367,61 @@ GST_START_TEST(test_slow_board)
 }
 GST_END_TEST;
 
+/// A live stream by a test clock, whose board is open at 10 s: until then, time passes.
+class LiveRig : public BoardRig
+{
+public:
+  LiveRig() : BoardRig("firmata")
+  {
+    mega.says_nothing = true;
+    sockets_.plug(mega);
+    g_object_set(element, "sync", TRUE, "ramp-in", guint64{ 0 }, nullptr);
+    gst_pad_set_query_function(source_, [](GstPad *, GstObject *, GstQuery *query) -> gboolean {
+      if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
+        return FALSE;
+      gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
+      return TRUE;
+    });
+    fail_unless(gst_pad_link(source_, pad) == GST_PAD_LINK_OK);
+    gst_element_set_clock(element, clock);
+    gst_element_set_base_time(element, 90 * GST_SECOND);
+    gst_element_set_state(element, GST_STATE_PLAYING);
+    sockets_.wait([&] { return mega.opens == 1; });
+    sockets_.locked([&] { mega.says_nothing = false; });
+    fail_unless(begin());
+  }
+  ~LiveRig()
+  {
+    stop();
+    gst_pad_unlink(source_, pad);
+    gst_object_unref(source_);
+    gst_object_unref(clock);
+  }
+  LiveRig(const LiveRig &) = delete;
+  LiveRig &operator=(const LiveRig &) = delete;
+
+  void push(int shown_ms, const Duties &duties)
+  {
+    frame = static_cast<guint>(shown_ms / 40);
+    std::thread streaming([&] { BoardRig::push(duties); });
+    gst_test_clock_wait_for_next_pending_id(GST_TEST_CLOCK(clock), nullptr);
+    gst_clock_id_unref(gst_test_clock_process_next_clock_id(GST_TEST_CLOCK(clock)));
+    streaming.join();
+  }
+
+  GstClock *clock = gst_test_clock_new_with_start_time(100 * GST_SECOND);
+
+private:
+  GstPad *source_ = gst_pad_new("src", GST_PAD_SRC);
+};
+
 /// In a live stream time passes while the board is opened. Maps of that time are dropped and not
 /// reported as late.
 GST_START_TEST(test_slow_board_in_a_live_play)
 {
-  BoardRig rig("firmata");
-  rig.mega.says_nothing = true;
-  rig.sockets_.plug(rig.mega);
-  g_object_set(rig.element, "sync", TRUE, "ramp-in", guint64{ 0 }, nullptr);
-  GstPad *source = gst_pad_new("src", GST_PAD_SRC);
-  gst_pad_set_query_function(source, [](GstPad *, GstObject *, GstQuery *query) -> gboolean {
-    if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
-      return FALSE;
-    gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
-    return TRUE;
-  });
-  fail_unless(gst_pad_link(source, rig.pad) == GST_PAD_LINK_OK);
-  GstClock *clock = gst_test_clock_new_with_start_time(100 * GST_SECOND);
-  gst_element_set_clock(rig.element, clock);
-  gst_element_set_base_time(rig.element, 90 * GST_SECOND);
-  gst_element_set_state(rig.element, GST_STATE_PLAYING);
-  rig.sockets_.wait([&] { return rig.mega.opens == 1; });
-  rig.sockets_.locked([&] { rig.mega.says_nothing = false; });
-  fail_unless(rig.begin());
-  const auto push = [&](int shown_ms, const Duties &duties) {
-    rig.frame = static_cast<guint>(shown_ms / 40);
-    std::thread streaming([&] { rig.push(duties); });
-    gst_test_clock_wait_for_next_pending_id(GST_TEST_CLOCK(clock), nullptr);
-    gst_clock_id_unref(gst_test_clock_process_next_clock_id(GST_TEST_CLOCK(clock)));
-    streaming.join();
-  };
-  // The board is open at 10 s.
+  LiveRig rig;
   for (const int shown_ms : { 9000, 10000, 10040 })
-    push(shown_ms, { 255, 255, 255 });
+    rig.push(shown_ms, { 255, 255, 255 });
   GstStructure *stats = rig.stats();
   guint64 late = 1;
   fail_unless(gst_structure_get_uint64(stats, "late", &late));
@@ -406,13 +429,20 @@ GST_START_TEST(test_slow_board_in_a_live_play)
   gst_structure_free(stats);
   fail_if(rig.messages.has(GST_MESSAGE_ELEMENT));
   // From then on it plays.
-  gst_test_clock_set_time(GST_TEST_CLOCK(clock), 102 * GST_SECOND);
-  push(12000, { 255, 200, 128 });
+  gst_test_clock_set_time(GST_TEST_CLOCK(rig.clock), 102 * GST_SECOND);
+  rig.push(12000, { 255, 200, 128 });
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
-  rig.stop();
-  gst_pad_unlink(source, rig.pad);
-  gst_object_unref(source);
-  gst_object_unref(clock);
+}
+GST_END_TEST;
+
+/// A long map that began before the board was open, such as a cue, is felt from then on.
+GST_START_TEST(test_long_map_in_a_live_play)
+{
+  LiveRig rig;
+  rig.length = 2 * GST_SECOND;
+  gst_test_clock_set_time(GST_TEST_CLOCK(rig.clock), 101 * GST_SECOND);
+  rig.push(9600, { 255, 200, 128 });
+  rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
 }
 GST_END_TEST;
 
@@ -489,6 +519,7 @@ tactorsink_board_suite(void)
   tcase_add_test(cases, test_errors);
   tcase_add_test(cases, test_slow_board);
   tcase_add_test(cases, test_slow_board_in_a_live_play);
+  tcase_add_test(cases, test_long_map_in_a_live_play);
   tcase_add_test(cases, test_large_chair);
   return suite;
 }

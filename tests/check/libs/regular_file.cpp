@@ -86,6 +86,34 @@ GST_START_TEST(test_kinds)
 }
 GST_END_TEST;
 
+/// A pipe that the process was given for its output has a reader. What it has no room for fails.
+GST_START_TEST(test_own_output)
+{
+  int ends[2];
+  fail_unless(pipe(ends) == 0);
+  const int before = dup(STDOUT_FILENO);
+  fail_unless(dup2(ends[1], STDOUT_FILENO) == STDOUT_FILENO);
+  auto opened = files::create("/dev/stdout");
+  ssize_t written = 0;
+  if (opened) {
+    const std::string much(1 << 20, 'x');
+    written = write(opened->descriptor(), much.data(), much.size());
+    if (write(opened->descriptor(), much.data(), 1) >= 0)
+      written = -1;
+  }
+  fail_unless(dup2(before, STDOUT_FILENO) == STDOUT_FILENO);
+  close(before);
+  fail_unless(opened.has_value(), "refused");
+  fail_unless(written > 0 && written < 1 << 20, "%zd bytes", written);
+  char first = 0;
+  fail_unless(read(ends[0], &first, 1) == 1 && first == 'x');
+  // It is somebody else's now.
+  assert_says(reason_of(files::create("/proc/self/fd/" + std::to_string(ends[1]))), "got a pipe");
+  close(ends[0]);
+  close(ends[1]);
+}
+GST_END_TEST;
+
 /// All that is read and written by a name that a user gives.
 GST_START_TEST(test_whoever_opens)
 {
@@ -113,6 +141,7 @@ regular_file_suite()
   TCase *tests = tcase_create("all");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_kinds);
+  tcase_add_test(tests, test_own_output);
   tcase_add_test(tests, test_whoever_opens);
   return suite;
 }
