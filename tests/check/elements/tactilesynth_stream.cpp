@@ -168,8 +168,9 @@ GST_START_TEST(test_negative_running_time)
   synth.repeat({ 0.5F }, 10); // 1000 to 1400 ms
   synth.end();
   fail_unless_equals_uint64(*synth.first, 0);
-  fail_unless_near(synth.at(200 * GST_MSECOND), 0.5, 1e-6);
-  fail_unless_within(synth.reaches(0.25F, 200 * GST_MSECOND, true), 400 * GST_MSECOND, GST_MSECOND);
+  fail_unless_near(synth.at(200 * GST_MSECOND), 0.5, 0.01); // the kick decays
+  fail_unless_within(synth.reaches(0.25F, 200 * GST_MSECOND, true), 400 * GST_MSECOND,
+                     5 * GST_MSECOND);
 }
 GST_END_TEST;
 

@@ -52,8 +52,10 @@ GST_START_TEST(test_add_and_get)
   fail_unless(add(buffer) == gst_buffer_get_saliency_meta(buffer));
   assert_values(buffer);
   const gchar *const *tags = gst_meta_api_type_get_tags(GST_SALIENCY_META_API_TYPE);
-  fail_unless_equals_string(tags[0], GST_META_TAG_VIDEO_STR);
-  fail_unless(tags[1] == nullptr);
+  const gchar *const expected[] = { GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR,
+                                    GST_META_TAG_VIDEO_ORIENTATION_STR, nullptr };
+  for (int i = 0; i < 4; i++)
+    fail_unless_equals_string(tags[i], expected[i]);
   gst_buffer_unref(buffer);
 }
 GST_END_TEST;
