@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cinema_table.h"
 
+#include "cinema_events.h"
 #include "cinema_light.h"
 #include "cinema_scores.h"
 #include "cinema_talk.h"
@@ -151,6 +152,45 @@ add_titles(std::vector<CinemaCase> &cases, const Pictures &pictures)
   }
 }
 
+/// The shake curve: what is found before a camera that shakes by so many pixels of 640.
+void
+add_shaken(std::vector<CinemaCase> &cases, const Pictures &pictures)
+{
+  constexpr std::pair<const char *, ShakenEvent> kEvents[] = {
+    { "small fireball", ShakenEvent::small_fireball },
+    { "large fireball", ShakenEvent::large_fireball },
+    { "disc pops up", ShakenEvent::disc },
+    { "figure starts to walk", ShakenEvent::walker },
+  };
+  constexpr std::pair<const char *, double> kShakes[]
+      = { { "0", 0 }, { "0.5", 0.5 }, { "1", 1 }, { "2", 2 }, { "5", 5 } };
+  for (const auto &[name, event] : kEvents)
+    for (const auto &[text, pixels] : kShakes) {
+      const auto make = [=, event = event, pixels = pixels](std::uint64_t seed) {
+        return shaken_film(event, pixels, picture_of(pictures, seed), kSize, seed);
+      };
+      const CinemaLimits target{ .phantoms = 0.02, .found = pixels > 2 ? 0.9 : 0.95 };
+      cases.push_back({ .film = std::string(name) + ", shake " + text + " px",
+                        .make = make,
+                        .target = target,
+                        .floor = pixels == 1 || pixels == 5 ? target : CinemaLimits{} });
+    }
+}
+
+void
+add_overlays(std::vector<CinemaCase> &cases, const Pictures &pictures)
+{
+  for (const auto &[name, overlay] :
+       { std::pair{ "growing title", Overlay::growing_title },
+         { "logo over a pan", Overlay::logo },
+         { "inset that pans", Overlay::inset } }) {
+    const auto make = [=, overlay = overlay](std::uint64_t seed) {
+      return overlay_film(overlay, picture_of(pictures, seed), kSize, seed);
+    };
+    cases.push_back({ .film = name, .make = make, .target = kStirs, .floor = kStirs });
+  }
+}
+
 void
 add_textures(std::vector<CinemaCase> &cases, const Pictures &pictures)
 {
@@ -209,7 +249,9 @@ cinema_cases(const Extent &extent)
                 ", photographs");
   }
   add_light(cases, pictures);
+  add_shaken(cases, pictures);
   add_titles(cases, pictures);
+  add_overlays(cases, pictures);
   add_textures(cases, pictures);
   add_talks(cases, pictures);
   return cases;
@@ -310,7 +352,9 @@ cinema_table(const Extent &extent, Summary &summary)
   const auto cases = cinema_cases(extent);
   const auto tuned
       = score_cinema(cases, kSize, kSeeds, tuned_model, extent.threads, "cinema, tuned");
-  const auto paper = score_cinema(cases, kSize, 1, paper_model, extent.threads, "cinema, paper");
+  auto paper = ScoresOfCases(cases.size());
+  if (!extent.quick)
+    paper = score_cinema(cases, kSize, 1, paper_model, extent.threads, "cinema, paper");
   summary.push_back(cinema_row("frames felt where nothing is to be felt", cases, tuned, paper,
                                &CinemaScores::phantoms, false));
   summary.back().higher = false;

@@ -4,10 +4,12 @@
 #include "decode.h"
 #include "models.h"
 #include "parallel.h"
+#include "table.h"
+
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
@@ -124,52 +126,192 @@ labels_of(const std::filesystem::path &film)
   return std::filesystem::exists(file) ? read_labels(file) : std::vector<Label>{};
 }
 
-/// The paper's profile and ours.
-std::vector<ClipRow>
-score_ours(const std::filesystem::path &file, const std::vector<Label> &labels)
+/// What is felt of a frame.
+struct FeltFrame
 {
-  const std::array models{ paper_model(), tuned_model() };
-  std::array judges{ ClipJudge(labels), ClipJudge(labels) };
-  tactile::TactileMap map(kSide, kSide);
-  Decoder clip(file, "decodebin", "I420");
-  while (clip.next())
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      const auto &found = models[i]->frame(clip.view(), clip.time(), clip.duration(), map);
-      judges[i].frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
-    }
-  return { judges[0].row(file, models[0]->name()), judges[1].row(file, models[1]->name()) };
+  tactile::TactileMap map;
+  Time time;
+  Time duration;
+  double peak; ///< of the saliency map
+};
+
+/// Share of the frames that are felt.
+double
+share_of(const std::vector<FeltFrame> &frames)
+{
+  const auto felt = std::ranges::count_if(frames, [](const FeltFrame &frame) {
+    return std::ranges::any_of(frame.map.levels, [](float level) { return level > 0; });
+  });
+  return frames.empty() ? 0 : static_cast<double>(felt) / static_cast<double>(frames.size());
 }
 
+/// The paper's profile as saliencytactile has it.
+ClipRow
+score_paper(const std::filesystem::path &file, const std::vector<Label> &labels)
+{
+  const auto model = paper_model();
+  ClipJudge judge(labels);
+  tactile::TactileMap map(kSide, kSide);
+  Decoder clip(file, "decodebin", "I420");
+  while (clip.next()) {
+    const auto &found = model->frame(clip.view(), clip.time(), clip.duration(), map);
+    judge.frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
+  }
+  return judge.row(file, model->name());
+}
+
+/// Ours at each of kSensitivities; the frames of the first go to `felt`.
 std::vector<ClipRow>
-score_peer(Peer peer, const std::filesystem::path &file, const std::vector<Label> &labels)
+score_ours(const std::filesystem::path &file, const std::vector<Label> &labels,
+           std::vector<FeltFrame> &felt)
+{
+  saliency::Analyzer analyzer(saliency::Profile::tuned());
+  std::vector<tactile::MappingSettings> mappings;
+  for (const double sensitivity : kSensitivities) {
+    mappings.push_back(tactile::MappingSettings::tuned());
+    mappings.back().floor /= sensitivity;
+    mappings.back().sensitivity = sensitivity;
+  }
+  std::vector<ClipJudge> judges(mappings.size(), ClipJudge(labels));
+  tactile::TactileMap map(kSide, kSide);
+  Decoder clip(file, "decodebin", "I420");
+  while (clip.next()) {
+    const auto &found = analyzer.analyze(clip.view(), clip.time(), clip.duration());
+    for (std::size_t i = 0; i < mappings.size(); ++i) {
+      tactile::map_saliency(view_of(found), mappings[i], map);
+      judges[i].frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
+      if (i == 0)
+        felt.push_back({ map, clip.time(), clip.duration(), found.peak });
+    }
+  }
+  std::vector<ClipRow> rows;
+  for (std::size_t i = 0; i < judges.size(); ++i)
+    rows.push_back(judges[i].row(file, model_at(kSensitivities[i])));
+  return rows;
+}
+
+ClipRow
+score_frames(const std::vector<FeltFrame> &frames, const std::filesystem::path &file,
+             const std::vector<Label> &labels, const std::string &name)
+{
+  ClipJudge judge(labels);
+  for (const FeltFrame &frame : frames)
+    judge.frame(frame.map, frame.time, frame.duration, false, false);
+  return judge.row(file, name);
+}
+
+ClipRow
+score_center(std::vector<FeltFrame> frames, const std::filesystem::path &file,
+             const std::vector<Label> &labels)
+{
+  for (FeltFrame &frame : frames) {
+    const float level = std::ranges::max(frame.map.levels);
+    std::ranges::fill(frame.map.levels, 0.0F);
+    frame.map.levels[kSide * kSide / 2] = level;
+  }
+  return score_frames(frames, file, labels, "center, same frames");
+}
+
+/// Twice: as it is, and with the given share of its frames, the strongest.
+std::vector<ClipRow>
+score_peer(Peer peer, const std::filesystem::path &file, const std::vector<Label> &labels,
+           double share)
 {
   PeerSaliency saliency(peer);
-  ClipJudge judge(labels);
+  std::vector<FeltFrame> frames;
   tactile::TactileMap map(kSide, kSide);
   Decoder clip(file, "decodebin", "BGR");
   while (clip.next()) {
-    map_peer(saliency.compute(as_mat(clip.view())), map);
-    judge.frame(map, clip.time(), clip.duration(), false, false);
+    const cv::Mat &found = saliency.compute(as_mat(clip.view()));
+    map_peer(found, map);
+    double peak = 0;
+    cv::minMaxLoc(found, nullptr, &peak);
+    frames.push_back({ map, clip.time(), clip.duration(), peak });
   }
-  return { judge.row(file, name(peer)) };
+  std::vector<ClipRow> rows{ score_frames(frames, file, labels, name(peer)) };
+  std::vector<double> peaks;
+  for (const FeltFrame &frame : frames)
+    peaks.push_back(frame.peak);
+  std::ranges::sort(peaks);
+  const auto silent = static_cast<std::size_t>((1 - share) * static_cast<double>(peaks.size()));
+  for (FeltFrame &frame : frames)
+    if (silent > 0 && frame.peak <= peaks[silent - 1])
+      std::ranges::fill(frame.map.levels, 0.0F);
+  rows.push_back(score_frames(frames, file, labels, std::string(name(peer)) + ", same share"));
+  return rows;
+}
+
+std::vector<ClipRow>
+score_clip(const std::filesystem::path &file, Contenders contenders)
+{
+  const std::vector<Label> labels = labels_of(file);
+  std::vector<FeltFrame> felt;
+  std::vector<ClipRow> rows;
+  if (contenders == Contenders::all)
+    rows.push_back(score_paper(file, labels));
+  std::ranges::move(score_ours(file, labels, felt), std::back_inserter(rows));
+  if (labels.empty() || contenders == Contenders::ours)
+    return rows;
+  rows.push_back(score_center(felt, file, labels));
+  for (const Peer peer : kPeers)
+    if (is_available(peer))
+      std::ranges::move(score_peer(peer, file, labels, share_of(felt)), std::back_inserter(rows));
+  return rows;
 }
 
 } // namespace
 
-std::vector<ClipRow>
-score_clips(const std::filesystem::path &directory, int threads)
+std::string
+model_at(double sensitivity)
 {
-  std::vector<std::function<std::vector<ClipRow>()>> jobs;
-  for (const auto &file : list_films(directory)) {
-    const std::vector<Label> labels = labels_of(file);
-    jobs.emplace_back([=] { return score_ours(file, labels); });
-    for (const Peer peer : kPeers)
-      if (!labels.empty() && is_available(peer))
-        jobs.emplace_back([=] { return score_peer(peer, file, labels); });
+  return sensitivity == 1 ? "tuned" : "tuned, sensitivity " + figure(sensitivity, 1);
+}
+
+std::vector<ClipRow>
+fitted_elsewhere(const std::vector<ClipRow> &rows)
+{
+  // What the other films say of a sensitivity: precision + recall - quiet time felt, over spans.
+  const auto merit = [&](const std::string &model, const std::string &but) {
+    Mean right;
+    Mean found;
+    Mean quiet;
+    for (const ClipRow &row : rows) {
+      if (row.model != model || row.clip == but || !row.labels)
+        continue;
+      for (std::size_t i = 0; i < row.labels->right.size(); ++i) {
+        right.add(row.labels->right[i]);
+        found.add(row.labels->found[i]);
+        quiet.add(row.labels->quiet[i]);
+      }
+    }
+    return right.value() + found.value() - quiet.value();
+  };
+  std::vector<ClipRow> fitted;
+  for (const ClipRow &row : rows) {
+    if (row.model != model_at(1) || !row.labels)
+      continue;
+    const double best = *std::ranges::max_element(kSensitivities, {}, [&](double sensitivity) {
+      return merit(model_at(sensitivity), row.clip);
+    });
+    const auto chosen = std::ranges::find_if(rows, [&](const ClipRow &other) {
+      return other.clip == row.clip && other.model == model_at(best);
+    });
+    fitted.push_back(*chosen);
+    fitted.back().model = "tuned, fitted on the other films";
   }
-  std::vector<std::vector<ClipRow>> found(jobs.size());
+  return fitted;
+}
+
+std::vector<ClipRow>
+score_clips(const std::filesystem::path &directory, Contenders contenders, int threads)
+{
+  std::vector<std::filesystem::path> files = list_films(directory);
+  if (std::filesystem::exists(directory / "unseen"))
+    std::ranges::move(list_films(directory / "unseen"), std::back_inserter(files));
+  std::vector<std::vector<ClipRow>> found(files.size());
   in_parallel(
-      threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); }, "clips");
+      threads, files.size(), [&](std::size_t i) { found[i] = score_clip(files[i], contenders); },
+      "clips");
   std::vector<ClipRow> rows;
   for (auto &some : found)
     std::ranges::move(some, std::back_inserter(rows));

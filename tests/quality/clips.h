@@ -3,6 +3,7 @@
 
 #include "labels.h"
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -32,13 +33,33 @@ struct ClipRow
   std::optional<LabelScores> labels; ///< where there are labels of the clip
 };
 
-/// Analyzes the films of list_films(directory) with `profile=paper` and `profile=tuned`, as
+/// The sensitivities at which ours is scored, the default first.
+inline constexpr std::array kSensitivities{ 1.0, 0.5, 0.7, 1.4, 2.0 };
+
+/// The model of score_clips() that is ours at a sensitivity.
+std::string model_at(double sensitivity);
+
+/// Leaves one film out: for each film with labels, ours at the sensitivity that is best on all the
+/// other films.
+std::vector<ClipRow> fitted_elsewhere(const std::vector<ClipRow> &rows);
+
+/// Which models score_clips() compares.
+enum class Contenders
+{
+  ours, ///< `profile=tuned` alone, at kSensitivities
+  all,
+};
+
+/// Analyzes the films of list_films(directory), and of its folder `unseen`, with `profile=paper` and `profile=tuned`, as
 /// saliencytactile does, decoded by decodebin to I420; those with labels by each available peer,
-/// too. Rows are sorted by the clip's name; paper, tuned, then peers.
+/// too: as it is, and silent but for as many of its strongest frames as `tuned` is felt ("same
+/// share"). "center, same frames" is felt where `tuned` is, in the middle cell alone. Rows are
+/// sorted by the clip's name; paper, tuned, then peers.
 ///
 /// `threads` ≥ 1 share the work, and the result does not depend on their number. Requires
 /// gst_init(). Throws std::runtime_error if there is no film, or if one cannot be played to its
 /// end.
-std::vector<ClipRow> score_clips(const std::filesystem::path &directory, int threads);
+std::vector<ClipRow> score_clips(const std::filesystem::path &directory, Contenders contenders,
+                                 int threads);
 
 } // namespace quality

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kCells = 9;
 constexpr Time kWindow = std::chrono::milliseconds(500);
+constexpr float kFull = 0.9F;
 
 [[noreturn]] void
 refuse(const std::filesystem::path &file, int line, const std::string &expected)
@@ -40,9 +41,11 @@ parse_label(const std::string &text, const std::filesystem::path &file, int line
   std::string end;
   std::string verdict;
   std::string cells;
+  std::string strength;
   if (!std::getline(fields, start, ',') || !std::getline(fields, end, ',')
-      || !std::getline(fields, verdict, ',') || !std::getline(fields, cells, ','))
-    refuse(file, line, "start,end,verdict,cells,what");
+      || !std::getline(fields, verdict, ',') || !std::getline(fields, cells, ',')
+      || !std::getline(fields, strength, ','))
+    refuse(file, line, "start,end,verdict,cells,strength,what");
   Label label;
   label.start = parse_time(start, file, line);
   label.end = parse_time(end, file, line);
@@ -55,6 +58,10 @@ parse_label(const std::string &text, const std::filesystem::path &file, int line
   label.anywhere = cells == "*";
   label.cells.assign(kCells, label.anywhere);
   std::getline(fields, label.what);
+  if (strength.size() > 1 || (strength.size() == 1 && (strength[0] < '1' || strength[0] > '3'))
+      || (strength.empty() == (label.verdict == Verdict::felt)))
+    refuse(file, line, "a strength of 1 to 3 if it is felt, else none, got '" + strength + "'");
+  label.strength = strength.empty() ? 0 : strength[0] - '0';
   std::istringstream numbers(label.anywhere ? "" : cells);
   for (std::string number; numbers >> number;) {
     if (number.size() != 1 || number[0] < '0' || number[0] > '8')
@@ -73,8 +80,8 @@ read_labels(const std::filesystem::path &file)
 {
   std::ifstream in(file);
   std::string text;
-  if (!std::getline(in, text) || text != "start,end,verdict,cells,what")
-    refuse(file, 1, "start,end,verdict,cells,what");
+  if (!std::getline(in, text) || text != "start,end,verdict,cells,strength,what")
+    refuse(file, 1, "start,end,verdict,cells,strength,what");
   std::vector<Label> labels;
   for (int line = 2; std::getline(in, text); ++line) {
     labels.push_back(parse_label(text, file, line));
@@ -85,8 +92,21 @@ read_labels(const std::filesystem::path &file)
   return labels;
 }
 
+std::vector<Mean>
+above(const std::vector<double> &strong, const std::vector<double> &weak)
+{
+  std::vector<Mean> found;
+  for (const double level : strong) {
+    Mean &share = found.emplace_back();
+    for (const double other : weak)
+      share.add(level > other ? 1 : level == other ? 0.5 : 0);
+  }
+  return found;
+}
+
 LabelJudge::LabelJudge(std::vector<Label> labels)
-    : labels_(std::move(labels)), right_(labels_.size())
+    : labels_(std::move(labels)), right_(labels_.size()), quiet_(labels_.size()),
+      levels_(labels_.size())
 {
   for (const Label &label : labels_)
     found_.emplace_back(label.verdict == Verdict::felt ? static_cast<std::size_t>(
@@ -108,17 +128,23 @@ LabelJudge::frame(Time time, const tactile::TactileMap &map)
     found_[static_cast<std::size_t>(label - labels_.begin())]
           [static_cast<std::size_t>((time - label->start) / kWindow)]
         = true;
+  const auto span = static_cast<std::size_t>(label - labels_.begin());
+  levels_[span].push_back(static_cast<double>(*strongest));
+  if (felt)
+    full_.add(*strongest > kFull);
   if (label->verdict == Verdict::allowed && label->anywhere)
     return;
   felt_.add(felt);
+  if (label->verdict == Verdict::quiet)
+    quiet_[span].add(felt);
   if (felt)
-    right_[static_cast<std::size_t>(label - labels_.begin())].add(right);
+    right_[span].add(right);
 }
 
 LabelScores
 LabelJudge::scores() const
 {
-  LabelScores scores{ .right = right_ };
+  LabelScores scores{ .right = right_, .quiet = quiet_ };
   Mean right;
   for (const Mean &span : right_)
     right.add(span);
@@ -129,6 +155,17 @@ LabelJudge::scores() const
       span.add(window);
     found.add(span);
   }
+  Mean quiet;
+  for (const Mean &span : quiet_)
+    quiet.add(span);
+  for (std::size_t i = 0; i < labels_.size(); ++i)
+    if (std::vector<double> levels = levels_[i]; !levels.empty() && labels_[i].strength > 0) {
+      const auto upper = levels.begin() + static_cast<std::ptrdiff_t>((levels.size() - 1) * 3 / 4);
+      std::ranges::nth_element(levels, upper);
+      scores.levels[static_cast<std::size_t>(labels_[i].strength)].push_back(*upper);
+    }
+  scores.quiet_felt = quiet.count > 0 ? quiet.value() : 0;
+  scores.full = full_.count > 0 ? full_.value() : 0;
   scores.felt = felt_.count > 0 ? felt_.value() : 0;
   scores.precision = right.count > 0 ? right.value() : 1;
   scores.recall = found.count > 0 ? found.value() : 1;

@@ -5,6 +5,7 @@
 #include "films.h"
 #include "tactile/tactile_map.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,6 +27,7 @@ struct Label
   Verdict verdict = Verdict::allowed;
   std::vector<bool> cells; ///< nine, row by row: where it is
   bool anywhere = false;   ///< all of them
+  int strength = 0;        ///< 1 a gesture, 2 a movement, 3 a blow, a jump, a fall; 0: none is told
   std::string what;        ///< what is seen
 };
 
@@ -38,9 +40,19 @@ struct LabelScores
   double felt = 0;      ///< share of the judged frames that are felt
   double precision = 0; ///< of these, those whose strongest cell is right; 1 if none is felt
   double recall = 0;    ///< share of the half seconds to be felt that have a right frame; 1 if none
+  double quiet_felt = 0; ///< share of the frames felt in which nothing is to be felt
+  double full = 0;       ///< share of the felt frames whose strongest level is above 0.9
   std::vector<Mean> right; ///< in each span, for precision
   std::vector<Mean> found; ///< in each span, for recall
+  std::vector<Mean> quiet; ///< in each span, for quiet_felt
+  /// For each of three strengths, the level of each of its spans to be felt: the upper quartile of
+  /// its frames' strongest levels, silent ones too.
+  std::array<std::vector<double>, 4> levels;
 };
+
+/// Whether strong events feel stronger than weak ones: for each level of `strong`, the share of
+/// those of `weak` that are below it, equal ones half.
+std::vector<Mean> above(const std::vector<double> &strong, const std::vector<double> &weak);
 
 /// Compares what is felt of a film with its labels.
 class LabelJudge
@@ -57,7 +69,10 @@ private:
   std::vector<Label> labels_;
   std::vector<std::vector<bool>> found_; ///< for each label, for each of its half seconds
   std::vector<Mean> right_;              ///< for each label, of its felt frames
+  std::vector<Mean> quiet_;              ///< for each label, of its quiet frames
+  std::vector<std::vector<double>> levels_; ///< for each label, of its frames
   Mean felt_;                            ///< of the judged frames
+  Mean full_;                            ///< of the felt frames
 };
 
 } // namespace quality

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
+#include <cstdlib>
 
 #include "saliency/spatial_saliency.h"
 
@@ -61,6 +62,7 @@ view_of(const saliency::Saliency &found)
   auto view = view_of(found.map);
   view.horizontal = { found.picture.x, found.picture.width };
   view.vertical = { found.picture.y, found.picture.height };
+  view.strength = found.strength;
   return view;
 }
 
@@ -69,7 +71,10 @@ AnalyzerModel::frame(const saliency::FrameView &frame, Time time, Time duration,
                      tactile::TactileMap &map)
 {
   const auto &found = analyzer_.analyze(frame, time, duration);
-  tactile::map_saliency(view_of(found), mapping_, map);
+  tactile::MappingSettings how = mapping_;
+  if (const char *text = std::getenv("F_FLOOR"); text && how.gain == tactile::Gain::relative) how.floor = std::atof(text);
+  if (const char *text = std::getenv("F_CENTER"); text && how.gain == tactile::Gain::relative) how.center_weight = std::atof(text);
+  tactile::map_saliency(view_of(found), how, map);
   return found;
 }
 
@@ -103,7 +108,7 @@ RarityMaps::of(const Frame &frame, Time time, int level)
 {
   if (time_ != time)
     rarity_(saliency::to_float(front_end_.lab(frame.view(), level,
-                                              saliency::conversion_level(frame.size(), level))),
+                                              saliency::decimation_level(frame.size(), level))),
             map_);
   time_ = time;
   return map_;

@@ -10,6 +10,7 @@
 #endif
 
 #include <algorithm>
+#include <deque>
 #include <stdexcept>
 #include <string>
 
@@ -43,6 +44,7 @@ make_model(Peer peer, cv::Size size)
   }
   case Peer::frame_difference:
   case Peer::haptic_lens:
+  case Peer::rival:
     break;
   }
   return {};
@@ -65,6 +67,8 @@ name(Peer peer)
     return "frame difference";
   case Peer::haptic_lens:
     return "HapticLens";
+  case Peer::rival:
+    return "rival of 35 lines";
   }
   return "";
 }
@@ -75,14 +79,14 @@ is_available([[maybe_unused]] Peer peer)
 #ifdef HAVE_CONTRIB_SALIENCY
   return true;
 #else
-  return peer == Peer::frame_difference || peer == Peer::haptic_lens;
+  return peer == Peer::frame_difference || peer == Peer::haptic_lens || peer == Peer::rival;
 #endif
 }
 
 bool
 needs_motion(Peer peer)
 {
-  return peer == Peer::bin_wang || peer == Peer::frame_difference;
+  return peer == Peer::bin_wang || peer == Peer::frame_difference || peer == Peer::rival;
 }
 
 cv::Size
@@ -108,6 +112,7 @@ struct PeerSaliency::State
   cv::Mat previous;
   cv::Mat map;
   HapticLens haptic_lens;
+  std::deque<cv::Mat> contrasts; ///< of the rival, latest first
 #ifdef HAVE_CONTRIB_SALIENCY
   cv::Ptr<cv::saliency::Saliency> model;
   cv::Mat raw_map;
@@ -116,6 +121,7 @@ struct PeerSaliency::State
   /// The frame in the size of scaled_for().
   const cv::Mat &scaled(const cv::Mat &frame);
   void difference();
+  void rising_contrast(const cv::Mat &picture);
   void ask_model(const cv::Mat &picture);
 };
 
@@ -140,6 +146,42 @@ PeerSaliency::State::difference()
     cv::GaussianBlur(map, map, {}, std::max(0.5, kBlurShare * gray.cols));
   }
   gray.copyTo(previous);
+}
+
+/// Center-surround contrast of L*a*b* between two levels; means over 1, 2, 4 and 8 frames above those
+/// over eight times as many.
+void
+PeerSaliency::State::rising_contrast(const cv::Mat &picture)
+{
+  cv::Mat lab;
+  cv::resize(picture, lab, {}, 0.5, 0.5, cv::INTER_AREA);
+  cv::cvtColor(lab, lab, cv::COLOR_BGR2Lab);
+  lab.convertTo(lab, CV_32FC3);
+  cv::Mat surround;
+  cv::pyrDown(lab, surround);
+  cv::pyrUp(surround, surround, lab.size());
+  cv::Mat change = lab - surround;
+  change = change.mul(change);
+  cv::transform(change, change, cv::Matx13f(1, 4, 4));
+  cv::sqrt(change, change);
+  cv::resize(change, change, { std::max(1, lab.cols / 4), std::max(1, lab.rows / 4) }, 0, 0,
+             cv::INTER_AREA);
+  contrasts.push_front(change);
+  if (contrasts.size() > 64)
+    contrasts.pop_back();
+  map = cv::Mat::zeros(change.size(), CV_32FC1);
+  cv::Mat sum = map.clone();
+  cv::Mat short_means[4];
+  for (std::size_t i = 0; i < 64; ++i) {
+    sum += contrasts[std::min(i, contrasts.size() - 1)];
+    for (int k = 0; k < 4; ++k) {
+      if (i + 1 == std::size_t{ 1 } << k)
+        short_means[k] = sum / (1 << k);
+      if (i + 1 == std::size_t{ 8 } << k)
+        map += cv::max(0, short_means[k] - sum / (8 << k)) / 4;
+    }
+  }
+  cv::resize(map.clone(), map, picture.size(), 0, 0, cv::INTER_LINEAR);
 }
 
 void
@@ -178,6 +220,7 @@ PeerSaliency::reset()
 {
   state_->previous.release();
   state_->haptic_lens.reset();
+  state_->contrasts.clear();
 #ifdef HAVE_CONTRIB_SALIENCY
   state_->model.release();
 #endif
@@ -195,6 +238,8 @@ PeerSaliency::compute(const cv::Mat &frame)
   const cv::Mat &picture = s.scaled(frame);
   if (s.peer == Peer::haptic_lens) {
     s.map = s.haptic_lens.film_map(picture);
+  } else if (s.peer == Peer::rival) {
+    s.rising_contrast(picture);
   } else if (!needs_motion(s.peer)) {
     s.ask_model(picture);
   } else {

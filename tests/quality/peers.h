@@ -16,10 +16,12 @@ enum class Peer
   bin_wang, ///< Wang & Dudek 2014, OpenCV's MotionSaliencyBinWangApr2014, a mask of what moves
   frame_difference, ///< absolute difference of gray, blurred
   haptic_lens,      ///< John & Seifi 2026, see haptic_lens.h
+  rival,            ///< what 35 lines with OpenCV do: contrast that rises, as in the paper
 };
 
 inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained, Peer::bin_wang,
-                                    Peer::frame_difference, Peer::haptic_lens };
+                                    Peer::frame_difference, Peer::haptic_lens,
+                                    Peer::rival };
 
 const char *name(Peer peer);
 
@@ -31,7 +33,7 @@ bool is_available(Peer peer);
 bool needs_motion(Peer peer);
 
 /// The size to which larger frames are scaled down, with their aspect ratio: 320 wide for the
-/// detectors of motion, 640 × 480 as in HapticLens's program. The others get the whole frame, as in
+/// detectors of motion and the rival, 640 × 480 as in HapticLens's program. The others get the whole frame, as in
 /// OpenCV's example (spectral residual scales it to 64 × 64 itself).
 cv::Size scaled_for(Peer peer, cv::Size frame);
 

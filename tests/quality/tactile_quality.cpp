@@ -24,7 +24,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -110,25 +112,47 @@ clip_row(const std::vector<ClipRow> &rows, std::string figure,
   return summary_row("real films", std::move(figure), units);
 }
 
+/// Whether strong events feel stronger than weak ones, over all clips.
+SummaryRow
+strength_row(const std::vector<ClipRow> &rows)
+{
+  std::map<std::string, std::array<std::vector<double>, 4>> levels;
+  for (const ClipRow &row : rows)
+    if (row.labels)
+      for (std::size_t i = 0; i < row.labels->levels.size(); ++i)
+        std::ranges::copy(row.labels->levels[i], std::back_inserter(levels[row.model][i]));
+  UnitsByModel units;
+  for (const auto &[model, by_strength] : levels)
+    units[model] = above(by_strength[3], by_strength[1]);
+  return summary_row("real films", "a blow feels stronger than a gesture", units);
+}
+
 Section
 clip_section(const Extent &extent, Summary &summary)
 {
-  const auto rows = score_clips(extent.data / "clips", extent.threads);
+  auto rows = score_clips(extent.data / "clips",
+                          extent.quick ? Contenders::ours : Contenders::all, extent.threads);
+  std::ranges::move(fitted_elsewhere(rows), std::back_inserter(rows));
   summary.push_back(clip_row(rows, "precision against labels", &LabelScores::right));
   summary.push_back(clip_row(rows, "recall against labels", &LabelScores::found));
+  summary.push_back(clip_row(rows, "quiet time felt", &LabelScores::quiet));
+  summary.back().higher = false;
+  summary.push_back(strength_row(rows));
   Table table("Real films",
               "What is felt of the films in clips/, as shares of frames and of tactors. Precision "
-              "and recall are those of tests/quality/labels.",
+              "and recall are those of tests/quality/labels. Quiet felt: share of the time in "
+              "which nothing is to be felt. Full: share of the felt frames with a level above 0.9.",
               { "clip", "model", "frames", "felt", "tactors felt", "at a time", "longest, s",
                 "longest of a tactor, s", "cues a minute", "camera moves", "cuts", "precision",
-                "recall" });
+                "recall", "quiet felt", "full" });
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (const auto &[clip, model, s, labels] : rows)
     table.add({ clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
                 figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
                 figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
                 figure(labels ? labels->precision : kNone, 2),
-                figure(labels ? labels->recall : kNone, 2) });
+                figure(labels ? labels->recall : kNone, 2),
+                percent(labels ? labels->quiet_felt : kNone), percent(labels ? labels->full : kNone) });
   return { table };
 }
 

@@ -14,7 +14,7 @@ using quality::LabelScores;
 
 namespace {
 
-const std::string kHead = "start,end,verdict,cells,what\n";
+const std::string kHead = "start,end,verdict,cells,strength,what\n";
 
 std::vector<quality::Label>
 labels(const std::string &lines)
@@ -27,8 +27,8 @@ labels(const std::string &lines)
 
 GST_START_TEST(test_scores)
 {
-  LabelJudge judge(labels("0,1,quiet,,black\n1,2.2,felt,4 5,a ball\n2.2,3,allowed,*,cut\n"
-                          "3,4,allowed,0,a title\n"));
+  LabelJudge judge(labels("0,1,quiet,,,black\n1,2.2,felt,4 5,2,a ball\n2.2,3,allowed,*,,cut\n"
+                          "3,4,allowed,0,,a title\n"));
   judge.frame(0ms, felt(-1));   // right, but not felt
   judge.frame(500ms, felt(4));  // felt where all is quiet
   judge.frame(1000ms, felt(0)); // a wrong cell
@@ -57,7 +57,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_nothing_felt)
 {
-  LabelJudge judge(labels("0,1,quiet,,black\n"));
+  LabelJudge judge(labels("0,1,quiet,,,black\n"));
   judge.frame(0ms, felt(-1));
   const LabelScores scores = judge.scores();
   fail_unless_near(scores.felt, 0, 0);
@@ -73,14 +73,17 @@ GST_START_TEST(test_faults)
     const char *lines;
     const char *expected;
   } faults[] = {
-    { "0,1,quiet\n", ":2: expected start,end,verdict,cells,what" },
-    { "0,x,quiet,,black\n", ":2: expected seconds, got 'x'" },
-    { "0,1,loud,4,a ball\n", ":2: expected felt, allowed or quiet, got 'loud'" },
-    { "0,1,felt,9,a ball\n", ":2: expected cells 0 to 8, got '9'" },
-    { "0,1,felt,,a ball\n", ":2: expected cells unless it is quiet" },
-    { "0,1,quiet,3,black\n", ":2: expected cells unless it is quiet" },
-    { "0,1,quiet,,black\n2,3,quiet,,black\n", ":3: expected a span that begins where" },
-    { "0,0,quiet,,black\n", ":2: expected a span that begins where" },
+    { "0,1,quiet\n", ":2: expected start,end,verdict,cells,strength,what" },
+    { "0,x,quiet,,,black\n", ":2: expected seconds, got 'x'" },
+    { "0,1,loud,4,2,a ball\n", ":2: expected felt, allowed or quiet, got 'loud'" },
+    { "0,1,felt,9,2,a ball\n", ":2: expected cells 0 to 8, got '9'" },
+    { "0,1,felt,,2,a ball\n", ":2: expected cells unless it is quiet" },
+    { "0,1,quiet,3,,black\n", ":2: expected cells unless it is quiet" },
+    { "0,1,quiet,,,black\n2,3,quiet,,,black\n", ":3: expected a span that begins where" },
+    { "0,1,felt,4,,a ball\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got ''" },
+    { "0,1,felt,4,4,a ball\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got '4'" },
+    { "0,1,quiet,,1,black\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got '1'" },
+    { "0,0,quiet,,,black\n", ":2: expected a span that begins where" },
   };
   for (const auto &fault : faults) {
     std::string message;
