@@ -4,39 +4,38 @@
  * @title: saliencytactile
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
- * Each frame gets a #GstTactileMeta: a small grid of levels that says where and how strongly the
- * film is felt. Pixels and memory stay as they are. Unless #GstSaliencyTactile:rows or
- * #GstSaliencyTactile:columns is set, the grid is what downstream asks for, such as that of
- * tactorsink's device, else 3 × 3.
- * [Steering](../guide/steering.md) explains the properties, [the algorithm](../design/algorithm.md)
- * how a map is computed.
+ * saliencytactile adds a #GstTactileMeta to each frame: a grid of levels with the place and
+ * strength of events. Pixels and memory do not change. By default, the grid is the one that
+ * downstream prefers, such as that of tactorsink's device, or 3 × 3; #GstSaliencyTactile:rows and
+ * #GstSaliencyTactile:columns override it. [Steering](../guide/steering.md) explains the
+ * properties, [the algorithm](../design/algorithm.md) the computation.
  *
- * The map is as viewers see the picture; regions of interest and #GstSaliencyMeta are in the pixels
- * of the frame. Behind videoflip, which keeps the orientation tag, set `video-direction=identity`.
+ * The map refers to the picture as viewers see it; regions of interest and #GstSaliencyMeta refer
+ * to the pixels of the frame. After videoflip, which does not remove the orientation tag, set
+ * `video-direction=identity`.
  *
- * Frames stay in the memory that they are in, and are read as the field `path` of
- * #GstSaliencyTactile:stats says:
+ * The element reads frames in their own memory. The field `path` of #GstSaliencyTactile:stats has
+ * the method:
  *
- * - `mapped`: as they are;
- * - `gl`: OpenGL textures are shrunk on the GPU, and only the small picture is read, at most 0.2 MB
- *   of a 4K frame's 12 MB. Software renderers do not gain by that: there frames are mapped.
- * - `element`: an element that takes their memory shrinks them: vapostproc for VA and DMABuf
- *   memory, vaapipostproc for VA surfaces;
- * - `converted`: raw formats that the analysis does not know are converted while they are shrunk;
- * - `none`: they cannot be read. They pass, are felt as nothing, and a warning says so once.
+ * - `mapped`: the element maps the frame;
+ * - `gl`: the GPU shrinks an OpenGL texture, and the element reads the small picture, at most 0.2
+ *   MB of a 4K frame's 12 MB. With a software renderer, the element maps the frame instead;
+ * - `element`: vapostproc shrinks VA and DMABuf memory, vaapipostproc VA surfaces;
+ * - `converted`: GstVideoConverter shrinks and converts other raw formats;
+ * - `none`: the frame cannot be read. It passes with an empty map, and the element posts one
+ *   warning.
  *
  * `profile=paper` and `exact` read every pixel, which is slow in a GPU's memory.
  *
- * With `people`, faces are looked for a few times a second, on a thread of their own, and what
- * happens in them is felt first. Where a detector upstream marks faces, heads or persons with
- * #GstVideoRegionOfInterestMeta, these are taken instead. Faces count from 0.2 s of film time after
- * their picture. A late look is waited for, so that a track is the same each time, unless the
- * source is live or a sink reports (QoS) that frames come late. The detector is a module of its
- * own, and its data are in Debian's opencv-data; without them there is a warning.
+ * With `people`, a thread detects faces a few times a second, and events in faces are preferred.
+ * Faces, heads and persons that an upstream detector marks with #GstVideoRegionOfInterestMeta
+ * replace this detection. A face counts from 0.2 s of film time after its picture. The element
+ * waits for a late result, so that every run gives the same track, unless the source is live or a
+ * sink reports late frames (QoS). The detector is a separate module and needs Debian's
+ * opencv-data; without them, the element posts a warning.
  *
- * Frames that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) are not felt, and the
- * analysis goes on with the next whole one. Time stamps that step back by up to eight frames do not
- * interrupt it.
+ * A frame that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) has an empty map. Time
+ * stamps that decrease by up to eight frames do not interrupt the analysis.
  *
  * ## Example launch lines
  * |[

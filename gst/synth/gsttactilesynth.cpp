@@ -2,57 +2,56 @@
 /**
  * SECTION:element-tactilesynth
  * @title: tactilesynth
- * @short_description: tactile maps as sound, for shakers and voice coils
+ * @short_description: converts tactile maps to sound, for shakers and voice coils
  *
- * tactilesynth turns a stream of tactile maps into sound for what an amplifier drives: bass
- * shakers, exciters, voice coils. Each channel is a carrier whose amplitude is the level of its
- * cells. Any audio sink plays it on the pipeline's clock. [tactoraudiosink](tactoraudiosink.md) has
- * one with it, and [shakers](../hardware/shakers.md) says what to plug in.
+ * tactilesynth converts a stream of tactile maps to sound for bass shakers, exciters and voice
+ * coils at an amplifier. Each channel is a carrier with the level of its cells as amplitude. Any
+ * audio sink plays it on the pipeline clock. [tactoraudiosink](tactoraudiosink.md) includes a
+ * sink; [shakers](../hardware/shakers.md) describes the hardware.
  *
- * - Timestamps are running times, of each sample without drift. At other rates than 1 and in
- *   reverse, carriers keep their frequency.
- * - An amplitude changes within 12 ms, half of it before the time of the change. What is more than
- *   200 Hz from the carrier is below -60 dB of full scale.
- * - Carriers go on in silence, so that they have the phase of the time.
- * - No sample exceeds full scale. What gain and equalizer of a #GstTactilesynth:calibration would
- *   raise beyond is limited: its amplitude is, so that the carrier keeps its shape.
+ * - Time stamps are running times, without drift. At rates other than 1 and in reverse, carriers
+ *   keep their frequency.
+ * - An amplitude changes within 12 ms, half of it before the time of the change. Sidebands more
+ *   than 200 Hz from the carrier are below -60 dB of full scale.
+ * - Carriers continue in silence, so that their phase depends on time only.
+ * - No sample exceeds full scale. If gain and equalizer of a #GstTactilesynth:calibration would
+ *   exceed it, the element limits the amplitude, so that the carrier keeps its shape.
  *
  * ## Channels
- * Downstream's caps decide. Without a limit there is a channel for each cell, or those that
- * #GstTactilesynth:mapping names.
- * - Channels without positions (`channel-mask=(bitmask)0x0`), as many as cells or more: cell i is
- *   channel i. Fewer: they stand side by side, and each plays the strongest cell of its columns. A
- *   column in the middle of two is on both.
- * - Channels with positions: those at the back and the sides play, side by side, and LFE plays all
- *   cells; where there are none of these, those in front. Others are silent.
+ * The caps of downstream determine the channels. Without a restriction, there is one channel for
+ * each cell, or those that #GstTactilesynth:mapping names.
+ * - Channels without positions (`channel-mask=(bitmask)0x0`), at least as many as cells: cell i is
+ *   channel i. With fewer channels, each plays the strongest cell of its columns; a column between
+ *   two channels is on both.
+ * - Channels with positions: back and side channels play, side by side, and LFE plays all cells.
+ *   If there are none of these, the front channels play. Other channels are silent.
  *
- * Where a channel is silent or has several cells, an information message says so. What goes through
- * `audioconvert` needs a number of channels, as in the first line below: it drops channels without
- * positions that a sound card lacks.
+ * If a channel is silent or has several cells, the element posts an information message. Before
+ * `audioconvert`, set the number of channels, as in the first line below: audioconvert drops
+ * channels without positions that a sound card lacks.
  *
  * #GstTactilesynth:frequency, #GstTactilesynth:waveform, #GstTactilesynth:sample and
- * #GstTactilesynth:gain have an entry for each channel. A calibration has a gain in dB and an
- * equalizer of each: see [gain and equalizer](../guide/calibration.md#gain-and-equalizer). The
- * equalizer filters the carrier and not its changes.
+ * #GstTactilesynth:gain have one entry for each channel. A calibration has a [gain in dB and an
+ * equalizer](../guide/calibration.md#gain-and-equalizer) for each; the equalizer filters the
+ * carrier, not its changes.
  *
  * ## Rise time
- * What an amplifier drives takes time to vibrate, as a coin motor does. Changes come so much
- * earlier than their frame that 90 % are reached with it. #GstTactilesynth:rise-time is an
- * estimate: a resonator of quality Q, driven at its resonance f, takes ln(10) Q / (π f), which is
- * 24 ms for a Q of 2 and 60 Hz. A shaker bolted to a heavy seat rings longer, a voice coil in the
- * hand less. A #GstTactilesynth:calibration has what was measured, and makes channels equally
- * strong.
+ * A shaker needs time to vibrate, as a coin motor does. The element makes each change early, so
+ * that 90 % of the level are reached with its frame. #GstTactilesynth:rise-time is an estimate: a
+ * resonator of quality Q, driven at its resonance f, takes ln(10) Q / (π f), which is 24 ms with Q
+ * = 2 at 60 Hz. A shaker bolted to a heavy seat takes longer, a voice coil in the hand less. A
+ * #GstTactilesynth:calibration has measured values and makes channels equally strong.
  *
- * So the sound of a time is known only when the maps up to one rise time and 6 ms later are. From a
- * live source this is latency, by which the pipeline delays all sinks. Otherwise put a queue before
- * each sink that holds more than that, as in the launch lines: maps then come early enough. What
- * begins less than that after the start of a play, or after a seek, is late by what is missing.
+ * The sound of a time depends on the maps up to one rise time and 6 ms later. For live sources
+ * this is latency, by which the pipeline delays all sinks. Otherwise, put a queue that holds more
+ * than that before each sink, as in the launch lines. Changes in this first interval after a start
+ * or a seek are late.
  *
  * ## Limits
- * Those of tactorsink, with its defaults: #GstTactilesynth:max-on-time, #GstTactilesynth:max-duty,
- * #GstTactilesynth:max-active and a soft start. A map holds until the next one, for one second at
- * most. A sink plays what it has: #GstTactilesynth:mute and what is stopped is heard no later than
- * its buffer is long, 200 ms by default.
+ * The limits and defaults are those of tactorsink: #GstTactilesynth:max-on-time,
+ * #GstTactilesynth:max-duty, #GstTactilesynth:max-active and a soft start. A map holds until the
+ * next one, for one second at most. #GstTactilesynth:mute and the end of a cue take effect after
+ * the buffer of the sink, 200 ms by default.
  *
  * ## Example launch lines
  * |[

@@ -4,18 +4,21 @@
  * @title: tactoraudiosink
  * @short_description: plays tactile maps on shakers and voice coils at a sound card
  *
- * tactoraudiosink is a bin: `tactilesynth` (child `synth`), the channels of the sound card, and
- * #GstTactoraudiosink:audio-sink. [tactilesynth](tactilesynth.md) says how maps become sound, and
- * has all properties but two; [shakers](../hardware/shakers.md) what to plug in.
+ * tactoraudiosink is a bin with `tactilesynth` (child `synth`), the channels of the sound card,
+ * and #GstTactoraudiosink:audio-sink. [tactilesynth](tactilesynth.md) explains the conversion and
+ * most properties, [shakers](../hardware/shakers.md) the hardware.
  *
- * Sound is made at the sink's own rate, if it is 8 to 192 kHz: a resampler would delay it.
+ * The sound has the sample rate of the sink, if that is 8 to 192 kHz, because a resampler would
+ * delay it.
  *
- * #GstTactoraudiosink:channels are those of the card: 2, stereo; 4, front and back; 6, 5.1; 8, 7.1.
- * Maps play on those at the back and the sides and on LFE, if there are any. More than eight have
- * no positions, and cell i is channel i. #GstTactoraudiosink:mapping gives any cell any channel.
+ * #GstTactoraudiosink:channels is the number of channels of the card: 2 (stereo), 4 (front and
+ * back), 6 (5.1) or 8 (7.1). Maps play on back and side channels and on LFE, if there are any.
+ * More than eight channels have no positions: cell i is channel i. #GstTactoraudiosink:mapping
+ * assigns a channel to each cell.
  *
- * Put a queue before each sink of a film, with more than the rise time and 6 ms. Sound ends within
- * 6 ms of the last map. A pause, a flush or an error stops the card, as it does for any audio sink.
+ * Put a queue that holds more than the rise time and 6 ms before each sink of a film. Sound ends
+ * within 6 ms of the last map. A pause, a flush or an error stops the card, as with any audio
+ * sink.
  *
  * ## Example launch lines
  * |[

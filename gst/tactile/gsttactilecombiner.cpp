@@ -4,20 +4,20 @@
  * @title: tactilecombiner
  * @short_description: puts a track's tactile maps on a film's frames
  *
- * tactilecombiner takes a film and a stream of tactile maps, such as a designer's track that
- * `tactileconverter` has read, and puts a #GstTactileMeta on each frame: the map in whose time the
- * frame begins, or a silent one where the track has none. The film sets the pace: the track may be
- * longer, shorter or later. Without a track the film passes through.
+ * tactilecombiner puts a stream of tactile maps, such as a designer's track from
+ * `tactileconverter`, on the frames of a film: each frame gets a #GstTactileMeta with the map at
+ * its start, or a silent one where the track has none. The track may be longer, shorter or later
+ * than the film. Without a track, the film passes through.
  *
- * A frame that carries a map already, from `saliencytactile`, is treated as #GstTactileCombiner:mix
- * says. Unless it is replaced, the track is resampled to the frame's grid. With the maps of
- * `soundtactile` as the track, picture and sound of one event are one cue, felt as strong as it
- * sounds, where it is seen or was until 250 ms before: with `mix=gate` only when it sounds, with
- * `mix=accent` also when it is only seen. [Sound joins in](../guide/sound.md) has the mixes that
- * the profiles have.
+ * #GstTactileCombiner:mix determines what happens to a frame that already has a map, from
+ * `saliencytactile`. Unless the map is replaced, the track is resampled to the frame's grid. With
+ * maps of `soundtactile` as the track, picture and sound of one event are one cue, as strong as
+ * the sound, at the place of the picture up to 250 ms before: with `mix=gate` only when there is a
+ * sound, with `mix=accent` also without one. [Sound](../guide/sound.md#profiles) lists the mixes
+ * of the profiles.
  *
- * A frame waits until the track is known for its time, so put a queue before `sink` that holds as
- * much as the track's branch holds back.
+ * A frame waits until the track is known for its time. Put a queue before `sink` that holds as
+ * much as the branch of the track delays.
  *
  * ## Example launch lines
  * |[

@@ -2,14 +2,14 @@
 /**
  * SECTION:element-tactileconverter
  * @title: tactileconverter
- * @short_description: tactile maps as text cues or KLV, and back
+ * @short_description: converts tactile maps to text cues or KLV, and back
  *
- * tactileconverter turns a stream of tactile maps (`application/x-tactile-map`) into what files can
- * hold, and back: text cues for Matroska, MP4 and subtitle files, KLV packets for MPEG transport
- * streams. Downstream's caps decide. Where they leave a choice, maps become text, and text and KLV
- * become maps.
+ * tactileconverter converts a stream of tactile maps (`application/x-tactile-map`) to formats for
+ * files, and back: text cues for Matroska, MP4 and subtitle files, KLV packets for MPEG transport
+ * streams. The caps of downstream select the format. By default, maps become text, and text and
+ * KLV become maps.
  *
- * A text cue is a picture of the map, a line of whole percents for each row:
+ * A text cue is the grid, with one line of integer percentages for each row:
  *
  * |[
  *   0   0   0
@@ -17,13 +17,13 @@
  *   0   0   0
  * ]|
  *
- * A cue begins where the map changes, and at least every second. It is complete when the next map
- * comes, so towards text and KLV the latency is 1 s: queue what runs beside it for as long. Text
- * has times in milliseconds and levels in percent; KLV is exact. Time without a cue becomes a GAP.
- * What is not a cue, such as subtitles to be read, is left out with a warning.
+ * A cue begins when the map changes, and at least every second. It is complete at the next map.
+ * Therefore the latency towards text and KLV is 1 s: queue parallel branches for as long. Text has
+ * times in milliseconds and levels in percent; KLV is exact. Time without a cue becomes a GAP. The
+ * element drops anything that is not a cue, such as subtitles, with a warning.
  *
- * Other players draw a text track in Matroska or MP4, since GStreamer's muxers mark it as the
- * default one. `tactile-track mux` does not. See [tracks](../guide/tracks.md).
+ * Other players show a text track in Matroska or MP4, because GStreamer's muxers mark it as the
+ * default; `tactile-track mux` does not. See [tracks](../guide/tracks.md).
  *
  * ## Example launch lines
  * |[

@@ -2,15 +2,16 @@
 /**
  * SECTION:element-tactileextractor
  * @title: tactileextractor
- * @short_description: takes the tactile maps off video frames as a stream of their own
+ * @short_description: sends the tactile maps of video frames as a separate stream
  *
  * tactileextractor passes video through and sends the #GstTactileMeta of each frame as a buffer of
- * `application/x-tactile-map` on its `tactile` pad, with the frame's time stamp and duration. The
- * buffer holds no part of the frame: a queue in the tactile branch costs a few bytes per frame.
+ * `application/x-tactile-map` on its `tactile` pad, with the time stamp and duration of the frame.
+ * The buffer does not reference the frame: a queue in the tactile branch needs a few bytes for
+ * each frame.
  *
- * A frame without a map is a GAP on the `tactile` pad. Before the first map the grid is what
- * downstream asks for, else 3 × 3. Either source pad may be left unlinked. As behind a demuxer,
- * each branch needs a queue of its own.
+ * A frame without a map is a GAP on the `tactile` pad. Before the first map, the grid is the one
+ * that downstream prefers, or 3 × 3. Either source pad may be unlinked. Each branch needs its own
+ * queue, as after a demuxer.
  *
  * ## Example launch lines
  * |[

@@ -4,18 +4,18 @@
  * @title: tactileklvdec
  * @short_description: decodes tactile tracks of transport streams and of WebVTT in Matroska
  *
- * tactileklvdec is the decoder for KLV that players look for in a transport stream with a tactile
- * track, and for the WebVTT that mkvmerge and FFmpeg put into Matroska, whose caps are
- * `application/x-subtitle-unknown`. Without it GStreamer reports a missing plugin.
+ * Players use tactileklvdec as the decoder of KLV in a transport stream with a tactile track, and
+ * of the WebVTT that mkvmerge and FFmpeg put into Matroska, with the caps
+ * `application/x-subtitle-unknown`. Without it, GStreamer reports a missing plugin.
  *
- * Of a track it outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile
- * track travels in that event, as the field `tactile-packet` (a #GstBuffer), which
- * [tactilesubtitles](tactilesubtitles.md) and [tactileconverter](tactileconverter.md) take for a
- * cue. A player without these shows the film as it is, and waits for nothing.
+ * For a track, the element outputs no text. Each packet becomes a GAP event at its time. A packet
+ * of a tactile track is in the field `tactile-packet` (a #GstBuffer) of this event, which
+ * [tactilesubtitles](tactilesubtitles.md) and [tactileconverter](tactileconverter.md) read as a
+ * cue. Players without these elements show the film normally.
  *
- * Caps do not say whose KLV a stream has. Other KLV, such as a drone's, becomes gaps without a
- * packet. An application that wants the KLV itself names `meta/x-klv` in decodebin's `caps`. WebVTT
- * that is no track becomes text, without its tags.
+ * Caps do not identify the kind of KLV. Other KLV, such as a drone's, becomes gaps without a
+ * packet. To receive such KLV, an application names `meta/x-klv` in decodebin's `caps`. WebVTT
+ * that is not a track becomes text, without its tags.
  *
  * playbin3 of GStreamer 1.22 does not select KLV streams; playbin does:
  *

@@ -2,27 +2,25 @@
 /**
  * SECTION:element-tactileoverlay
  * @title: tactileoverlay
- * @short_description: draws tactile maps, or the saliency they come from, into the picture
+ * @short_description: draws tactile maps, or their saliency maps, over the picture
  *
- * tactileoverlay draws the #GstTactileMeta of each frame into it:
+ * tactileoverlay draws the #GstTactileMeta of each frame over the picture:
  *
- * - `style=grid`: the grid of tactors. A cell turns from yellow to red as its level rises, and a
- *   gauge on its left is as high as the level.
- *   Cells to which the sound added have a thick blue border ([Sound joins
- *   in](../guide/sound.md)).
- * - `style=heatmap`: a color map from blue to red of the frame's #GstSaliencyMeta, or of its levels
- *   if it has none.
- * - `style=saliency`: the saliency map in gray instead of the picture, white at the map's peak or
- *   at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`;
- *   without it the levels are shown and a warning is posted.
+ * - `style=grid`: the grid. A cell turns from yellow to red as its level rises, and a gauge on its
+ *   left shows the level. A thick blue border marks a cell to which the [sound](../guide/sound.md)
+ *   added.
+ * - `style=heatmap`: a color map, from blue to red, of the frame's #GstSaliencyMeta, or of its
+ *   levels if it has none.
+ * - `style=saliency`: the saliency map in gray instead of the picture, white at the peak of the
+ *   map or at twice its floor, whichever is higher. This needs `saliencytactile
+ *   attach-saliency=true`; otherwise the element draws the levels and posts a warning.
  *
- * With `meter=true` a bar along the lower edge shows how strong the frame's strongest event is: it
- * is felt where the bar passes the red mark, the floor, and fills the width at four times the
- * floor. The bar needs a #GstSaliencyMeta, too.
+ * With `meter=true`, a bar along the lower edge shows the strongest event of the frame. Events
+ * beyond the red mark, the floor, are felt; the width is four times the floor. The bar also needs
+ * a #GstSaliencyMeta.
  *
- * Frames without metas are left as they are. Where the video sink turns the picture, as with phone
- * films, the grid is drawn so that it is upright on the screen; set `video-direction` as at the
- * sink.
+ * Frames without metas do not change. If the video sink rotates the picture, as for films of
+ * phones, the grid is upright on the screen; set `video-direction` as at the sink.
  *
  * ## Example launch lines
  * |[

@@ -2,28 +2,29 @@
 /**
  * SECTION:element-tactilesubtitles
  * @title: tactilesubtitles
- * @short_description: puts subtitles that are a tactile track on the frames, in any player
+ * @short_description: puts a tactile track in subtitles on the frames, in any player
  *
- * tactilesubtitles takes a film and its subtitles. The first cue tells what the subtitles are:
+ * tactilesubtitles receives a film and its subtitles. The first cue determines the kind of
+ * subtitles:
  *
- * - A tactile track, in text cues as [tactileconverter](tactileconverter.md) writes them: each
- *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A designer's
- *   remark, which is a cue of words that do not begin with digits, is drawn. Any other cue that is
- *   no map is neither felt nor drawn, with a warning: tactile-track refuses its file.
- * - Text: its child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
+ * - A tactile track, in text cues of [tactileconverter](tactileconverter.md): each frame gets the
+ *   map at its time as a #GstTactileMeta, or a silent one. The element draws remarks, which are
+ *   cues of words that do not begin with a digit. It drops any other cue that is not a map, with a
+ *   warning; tactile-track refuses such files.
+ * - Text: the child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
  *   `visuotactilesink` analyzes them.
  *
- * The track of a transport stream comes in GAP events from [tactileklvdec](tactileklvdec.md).
+ * The track of a transport stream arrives in GAP events from [tactileklvdec](tactileklvdec.md).
  *
- * playbin and playbin3 choose this element by its rank, which is NONE unless raised:
+ * playbin and playbin3 select this element by its rank, which is NONE by default:
  *
  * |[
  * GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX gst-play-1.0 --videosink=visuotactilesink CARRIER
  * ]|
  *
- * [tactilecombiner](tactilecombiner.md) waits for the track. This element never holds up the film:
- * a cue that comes after its frames is felt from then on. Cues that come early wait, up to 16
- * million levels (13 hours of 8 × 8 at 5 Hz); more are dropped with a warning.
+ * [tactilecombiner](tactilecombiner.md) waits for the track; this element never delays the film. A
+ * late cue applies from its arrival. Early cues wait, up to 16 million levels (13 hours of 8 × 8
+ * at 5 Hz); more are dropped with a warning.
  *
  * ## Example launch lines
  * |[

@@ -2,18 +2,18 @@
 /**
  * SECTION:element-tactiletestsrc
  * @title: tactiletestsrc
- * @short_description: makes films of balls that appear, rest and move, with ground truth
+ * @short_description: generates films of balls that appear, rest and move, with ground truth
  *
- * tactiletestsrc makes the two synthetic films of "Saliency-Driven Tactile Effect Authoring for
- * Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5). In `pattern=static-motion` one
- * or two balls appear, rest for more than a second and jump elsewhere. In `pattern=dynamic-motion`
- * a ball moves at various speeds with sudden stalls. Both begin with one second of plain gray and
- * repeat after ten minutes.
+ * tactiletestsrc generates the two synthetic films of "Saliency-Driven Tactile Effect Authoring
+ * for Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5). In
+ * `pattern=static-motion`, one or two balls appear, rest for more than a second and jump
+ * elsewhere. In `pattern=dynamic-motion`, a ball moves at various speeds with sudden stalls. Both
+ * begin with one second of gray and repeat after ten minutes.
  *
  * A picture depends only on the properties, its time stamp and its format: the film is the same at
- * any frame rate and after any seek. Seeking and reverse playback are supported. Unless downstream
- * asks for something else the film has the paper's 1000 × 1000 pixels at 30 frames per second. A
- * variable frame rate (0/1) is taken as 30.
+ * any frame rate and after any seek. Seeking and reverse playback are supported. By default, the
+ * film has the paper's 1000 × 1000 pixels at 30 frames per second. A variable frame rate (0/1) is
+ * treated as 30.
  *
  * ## Ground truth
  * Each ball has a #GstVideoRegionOfInterestMeta of type `tactile-target`: the pixels that it

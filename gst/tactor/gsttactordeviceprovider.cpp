@@ -2,18 +2,18 @@
 /**
  * SECTION:provider-tactordeviceprovider
  * @title: tactordeviceprovider
- * @short_description: lists the tactor boards and gamepads that are plugged in
+ * @short_description: lists connected tactor boards and gamepads
  *
- * tactordeviceprovider lists each USB serial line behind which a tactor board may be, as a
- * #GstDevice of the class `Sink/Tactile/Hardware`, and reports when one is plugged in or out, with
- * or without udevd. It opens no board, so no playing board is disturbed. Whether a board has a
- * Firmata sketch shows when it is played on.
+ * tactordeviceprovider lists each USB serial line that may belong to a tactor board, as a
+ * #GstDevice of the class `Sink/Tactile/Hardware`, and reports when one is connected or removed,
+ * with or without udevd. It opens no board and does not disturb boards in use. Whether a board has
+ * a Firmata sketch is known only when it plays.
  *
- * Gamepads with rumble motors are listed, too: a new one is reported within a second.
+ * The provider also lists gamepads with rumble motors, within a second.
  *
- * gst_device_create_element() makes a `tactorsink` for the device. A board is named by its serial
- * number, or by its USB socket where it has none or another board has the same. When such a board
- * comes or goes, the device changes (`GST_MESSAGE_DEVICE_CHANGED`).
+ * gst_device_create_element() returns a `tactorsink` for the device. The name of a board is its
+ * serial number, or its USB socket if it has none or another board has the same. When such a board
+ * appears or disappears, the device changes (`GST_MESSAGE_DEVICE_CHANGED`).
  *
  * ## Example launch lines
  * |[

@@ -4,67 +4,67 @@
  * @title: tactorsink
  * @short_description: plays tactile maps on vibration motors, early by their rise time
  *
- * tactorsink takes video frames that carry a #GstTactileMeta, or a stream of tactile maps
- * (`application/x-tactile-map`), and drives one vibration motor (tactor) per cell.
+ * tactorsink receives video frames with a #GstTactileMeta, or a stream of tactile maps
+ * (`application/x-tactile-map`), and drives one vibration motor (tactor) for each cell.
  *
- * A coin motor needs up to 180 ms to reach 90 % of its level, so each command is issued that much
- * before its frame is shown. All other sinks are delayed by #GstTactorSink:max-lead and 10 ms. Put
- * a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000` before each sink, as
- * in [tactileextractor](tactileextractor.md).
+ * A coin motor needs up to 180 ms to reach 90 % of its level. The element therefore issues each
+ * command that much before its frame, and delays all other sinks by #GstTactorSink:max-lead and 10
+ * ms. Put a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000` before each
+ * sink, as in [tactileextractor](tactileextractor.md).
  *
- * Maps are taken #GstTactorSink:rate times a second. Those of a stream of maps that have sound in
- * them, by soundtactile, are taken at once.
+ * The element plays #GstTactorSink:rate maps a second, and at once those of a stream of maps to
+ * which soundtactile added.
  *
- * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and
- * upstream that stops delivering. [How it works](../design/tactorsink.md) tells what happens when a
- * process is killed, and about real-time threads and slow lines.
+ * All motors are at zero after a pause, a flush, the end of the stream, an error, and when
+ * upstream stops sending. [From map to motor](../design/tactorsink.md) covers killed processes,
+ * real-time threads and slow lines.
  *
  * ## Boards
- * The board is opened in the background from READY to PAUSED. That takes up to five seconds, for
- * which the stream waits; a live stream begins without it. What is wrong with the board is an error
- * message. A board that is unplugged costs one warning: the film plays on, and so does the board
- * when it is back.
+ * A thread opens the board from READY to PAUSED, in up to five seconds, for which the stream
+ * waits; a live stream begins without it. If the board cannot be used, the element posts an error.
+ * If it is unplugged, the element posts one warning, the film plays on, and the board resumes when
+ * it is back.
  *
- * Without #GstTactorSink:device the first board that answers is taken of those that have answered
- * before. Name a board once by `device`: other devices may be 3D printers, which a question resets.
- * `driver=auto` does not touch them, `driver=firmata` and `driver=seat` ask one that is alone. A
- * board whose port another program has open is not taken. See [which
+ * Without #GstTactorSink:device, the element uses the first known board that answers. A board
+ * becomes known when it is named once, because an unknown device may be a 3D printer, which a
+ * probe resets. `driver=auto` does not touch unknown devices; `driver=firmata` and `driver=seat`
+ * probe one that is alone. The element never uses a port that another program has open. See [which
  * board is taken](../design/tactorsink.md#which-board-is-taken).
  *
- * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
+ * As a `GstURIHandler`, the element plays on `tactor://SERIAL`, the board with that serial number
+ * or bus path.
  *
  * ## Gamepads
- * `driver=gamepad` plays on rumble motors by SDL, which no other driver loads. Without
- * #GstTactorSink:mapping the left half of the map is the low-frequency motor, tactor 0, and the
- * right half the high-frequency one, tactor 1. Tactors 2 and 3 are motors in the triggers. See
- * [a gamepad as a chair](../hardware/gamepad.md).
+ * `driver=gamepad` drives rumble motors through SDL, which no other driver loads. Without
+ * #GstTactorSink:mapping, the left half of the map is the low-frequency motor, tactor 0, and the
+ * right half the high-frequency one, tactor 1. Tactors 2 and 3 are motors in the triggers. See [a
+ * gamepad as a chair](../hardware/gamepad.md).
  *
  * ## Vests, and devices of Intiface
- * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
- * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
- * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells.
- * The picture waits for the server, too, [up to 150
- * ms](../design/tactorsink.md#latency-of-a-server).
- * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
- * chair](../hardware/intiface.md).
+ * `driver=bhaptics` drives a suit of bHaptics and `driver=intiface` the device that
+ * #GstTactorSink:device names, through a server on this or another computer. A map of any grid is
+ * pooled to their motors; if a cell has several motors, #GstTactorSink:max-active counts cells.
+ * The picture also waits for the server, [up to 150
+ * ms](../design/tactorsink.md#latency-of-a-server). See [a vest as a chair](../hardware/vest.md)
+ * and [a device of Intiface as a chair](../hardware/intiface.md).
  *
  * ## The grid
- * A device whose motors have places, such as a vest or a gamepad, prefers maps of its own grid, and
- * takes any other. saliencytactile, also before a tactileextractor, and soundtactile follow unless
- * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. Of two
- * devices behind a tee the first one's grid is taken. With #GstTactorSink:mapping there is no
- * preference.
+ * A device with a layout, such as a vest or a gamepad, prefers maps of its own grid and accepts
+ * any other. saliencytactile, also before a tactileextractor, and soundtactile use that grid
+ * unless theirs is set. The grid is known once the device is open: earlier maps may be 3 × 3. With
+ * two devices behind a tee, the grid is that of the first one. With #GstTactorSink:mapping there
+ * is no preference.
  *
  * ## Limits
- * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
- * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
- * 3 s. Pauses, seeks and mute keep the account, and so does the next play on the same device in
- * this process. What is late, the device's own thread ends, by the clock of the motor.
+ * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active protect motors
+ * and skin. A cue that a limit has cut begins again after the film has released its tactor, or
+ * after 3 s. Pauses, seeks and mute do not reset the limits, nor does the next play on the same
+ * device in this process. The thread of the device cuts late levels by the clock of the motor.
  *
  * ## Streams with faults
- * Frames without time stamps are felt when they come; a warning says so if there is no frame rate
- * either. A GAP that stands for lost packets does not end a cue, unlike other GAPs: the last map
- * holds, for a second at most.
+ * A frame without a time stamp plays when it arrives; without a frame rate the element posts a
+ * warning. A GAP for lost packets does not end a cue, unlike other GAPs: the last map holds for a
+ * second at most.
  *
  * ## Example launch lines
  * |[
@@ -75,32 +75,33 @@
  * ]|
  *
  * ## Statistics
- * The fields of #GstTactorSink:actuation-stats, times in ns:
- * - `issued`, `late` (by more than 5 ms), `came-late` (its map was), `thread-late` (its thread was)
- * - `coalesced` (replaced by newer ones), `dropped` (by a flush), `expired` (came too late to be
- *   felt), `overtaken` (replaced before the driver's thread sent them)
- * - `starved`: times when no map came and the motors were silenced
- * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: cues that were limited, soft starts
- * - `cut-driver`: levels that the driver ended, as the command that does came late
+ * The fields of #GstTactorSink:actuation-stats; times are in ns:
+ * - `issued`, `late` (by more than 5 ms), `came-late` (late because of the map), `thread-late`
+ *   (late because of the thread)
+ * - `coalesced` (replaced by newer commands), `dropped` (by a flush), `expired` (arrived too late
+ *   to be felt), `overtaken` (replaced before the thread of the driver sent them)
+ * - `starved`: how often no map arrived and the motors were stopped
+ * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: limited cues, soft starts
+ * - `cut-driver`: levels that the driver ended because the command was late
  * - `error-min`, `error-mean`, `error-p50`, `error-p99`, `error-max`: issued − due
- * - `thread-p99`, `thread-max`: delays by the thread
- * - `latency`: of the way to the motors, by which commands are issued earlier
+ * - `thread-p99`, `thread-max`: delays of the thread
+ * - `latency`: time to the motors, by which commands are issued earlier
  * - `scheduling`: `direct`, `rtkit`, `portal`, `given-back` or `normal`
  * - `board`, `firmware`, `pins`, `connected`, `watchdog`, `reconnects`, `bytes`
- * - `guardian`: `running`, or why there is none; empty for what needs none
- * - `may-run`: closed, but its motors may still be on
+ * - `guardian`: `running`, or the reason why there is none; empty if none is needed
+ * - `may-run`: the board is closed, but its motors may still be on
  *
  * ## Messages
- * - `tactor-lead-short` (`lead`, `late`): a command came too late for its motor.
- * - `tactor-line-slow` (`tactors`, `bytes`, `update`, `at-once`): the line is too slow for the
- *   chair.
- * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
- * - `tactor-device-refused` (`reason`): it is back, and cannot be used.
- * - `tactor-device-not-stopped` (`reason`): motors may still be on. Also on standard error, as
- *   nobody may read messages any more.
+ * - `tactor-lead-short` (`lead`, `late`): a command was too late for its motor.
+ * - `tactor-line-slow` (`tactors`, `bytes`, `update`, `at-once`): the serial line is too slow for
+ *   the chair.
+ * - `tactor-device-lost`, `tactor-device-found`: the board disappeared, or is back.
+ * - `tactor-device-refused` (`reason`): the board is back but cannot be used.
+ * - `tactor-device-not-stopped` (`reason`): motors may still be on. The element also writes this
+ *   to standard error, because the application may have stopped reading messages.
  * - `tactor-stats`: #GstTactorSink:actuation-stats at the end of the stream.
- * - A warning on the way to PAUSED: one thread feeds this and another sink without queues between
- *   them, and the pipeline waits forever.
+ * - A warning before PAUSED: one thread feeds this and another sink without queues between them,
+ *   so that the pipeline waits forever.
  *
  * Since: 0.1
  */

@@ -4,31 +4,31 @@
  * @title: visuotactiledecoder
  * @short_description: a video decoder that also plays a chair, for players with their own sink
  *
- * visuotactiledecoder decodes with the video decoder that would have been taken without it, and
- * plays what draws the eye on the motors of a chair. The player keeps its video sink, window and
- * controls. It is a bin with the decoder, and beside it `saliencytactile` (child `analysis`) and
- * `tactorsink` (child `tactors`).
+ * visuotactiledecoder uses the video decoder that a player would use without it, and plays the
+ * film on the motors of a chair. The player keeps its video sink, window and controls. The element
+ * is a bin with the decoder, `saliencytactile` (child `analysis`) and `tactorsink` (child
+ * `tactors`).
  *
- * playbin and decodebin take it where the [user's settings](../guide/players.md) switch it on, and
- * another decoder in other programs. Where no program is switched on it has no rank, and is used
- * only if it is named, or by `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`.
+ * playbin and decodebin use it in the programs that the [settings of the
+ * user](../guide/players.md) enable. Its rank is NONE if no program is enabled; then name the
+ * element, or set `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`.
  *
- * - Frames go from the decoder to the player as they are, and are not later. Of a live source they
- *   are later by #GstTactorSink:max-lead and 30 ms.
- * - The picture never waits for the chair. Where the analysis is too slow, frames are not felt.
- * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
- *   again. Frames in a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Those
- *   that cannot be read are shown and not felt.
- * - Of several films in one process, one is felt: of those that play the one with the largest
- *   picture, and of equal ones the first. A paused film keeps the chair while no other one plays.
- * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
- *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
- *   nothing.
- * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
- *   the same pipeline: `sound::sound` is as visuotactilesink's. Then frames of a live source are
- *   another 137 ms later.
- * - Frame steps and instant changes of the rate reach only the player's sink, not the motors.
- * - A stream that the decoder does not take as it is goes through a parser first.
+ * - Frames reach the player unchanged and without delay. Frames of a live source are delayed by
+ *   #GstTactorSink:max-lead and 30 ms.
+ * - The picture never waits for the chair. If the analysis is too slow, frames are not felt.
+ * - If the tactors fail, the film plays on, with a warning; the next start tries again. Frames in
+ *   a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Unreadable frames are
+ *   shown and not felt.
+ * - If a process plays several films, the chair plays the one with the largest picture, or the
+ *   first of equal ones. A paused film keeps the chair while no other one plays.
+ * - In gapless playback of playbin3 with one decoder, the chair plays each film in sync from the
+ *   first QoS event of the player's sink on, which has its start. Sinks with `qos=false` send
+ *   none.
+ * - Impacts in the sound are felt if a [soundtactile](soundtactile.md) is in the same pipeline;
+ *   `sound::sound` is the property of visuotactilesink. Frames of a live source are then delayed
+ *   by another 137 ms.
+ * - Frame steps and instant rate changes reach the player's sink only, not the motors.
+ * - A parser precedes the decoder if the decoder needs one.
  *
  * ## Example launch line
  * |[

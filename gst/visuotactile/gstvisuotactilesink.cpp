@@ -4,22 +4,22 @@
  * @title: visuotactilesink
  * @short_description: a video sink that also plays a chair, for any player
  *
- * visuotactilesink shows a film, and plays what draws the eye in it on the motors of a chair.
- * [Applications](../guide/integration.md) tells how players take it. It is a bin with
+ * visuotactilesink shows a film and plays it on the motors of a chair.
+ * [Applications](../guide/integration.md) explains its use in players. It is a bin with
  * `saliencytactile` (child `analysis`), `tactorsink` (child `tactors`) and the video sink.
  *
- * - The [user's settings](../guide/players.md) apply to properties that have their default. Where
- *   they switch it off, the film is only shown.
- * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms.
- * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
- *   again. Where no video sink can be used, the film is felt and not shown.
- * - Frames that carry a map keep it. Frames in a GPU's memory stay there: see
- *   [saliencytactile](saliencytactile.md). Those that cannot be read are shown and not felt.
- * - The analysis has a thread of its own.
- * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
- *   the same pipeline, as #GstVisuotactileSink:sound says. Then maps wait for 95 ms, in whole
- *   frames; those of a live source make it as much later.
- * - #GstVideoOverlay and #GstNavigation are the video sink's.
+ * - The [settings of the user](../guide/players.md) set the properties that have their default. If
+ *   they disable the chair, the element only shows the film.
+ * - Picture and sound are delayed by `max-lead` and 10 ms.
+ * - If the tactors fail, the film plays on, with a warning; the next start tries again. If no
+ *   video sink works, the film is felt and not shown.
+ * - Frames that already have a map keep it. Frames in a GPU's memory stay there: see
+ *   [saliencytactile](saliencytactile.md). Unreadable frames are shown and not felt.
+ * - The analysis has its own thread.
+ * - Impacts in the sound are felt if a [soundtactile](soundtactile.md) is in the same pipeline;
+ *   the property `sound` selects the mix. Maps then wait for 95 ms, in whole frames, which is
+ *   additional latency of a live source.
+ * - `GstVideoOverlay` and `GstNavigation` are those of the video sink.
  *
  * ## Example launch lines
  * |[

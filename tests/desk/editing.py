@@ -167,7 +167,7 @@ def a_loop_goes_round(driver):
         page.keys("j", *[Keys.ARROW_DOWN] * 4, Keys.ENTER)
         page.click("#loop")
         page.record()
-        page.keys("k")
+        page.keys("[", "[", "[", "k")  # slowly: the film goes on for some time before a busy browser goes back
         page.play_until(1200)
         page.down("1")
         page.wait("the begin again", lambda: page.position() < 1150)

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""docs/design/where.md names the file of each property, message, driver, format and program: nothing is missing, nothing is stale, the
+files exist, and the file that declares a name contains it. Properties are those of docs/elements, which the test "elements" compares with
+the plugins.
+Usage: where.py ROOT"""
+
+import pathlib
+import re
+import sys
+
+root = pathlib.Path(sys.argv[1])
+page = (root / "docs/design/where.md").read_text()
+wrong = []
+
+
+def names(cell):
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def rows(title):
+    """Cells of the table below a heading."""
+    section = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", page, re.M | re.S).group(1)
+    return [[cell.strip() for cell in row.split(" | ")] for row in re.findall(r"^\| (.*) \|$", section, re.M)][1:]
+
+
+def source(name):
+    file = root / name
+    if not file.exists():
+        wrong.append(f"there is no {name}")
+    return file.read_text() if file.is_file() else ""
+
+
+def compare(kind, expected, listed):
+    wrong.extend(f"{kind} {name} is not in the table" for name in sorted(expected - listed))
+    wrong.extend(f"{kind} {name} is in the table and not in the sources" for name in sorted(listed - expected))
+
+
+def section_of(text, title):
+    found = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", text, re.M | re.S)
+    return found.group(1) if found else ""
+
+
+properties = {f"{file.stem} {name}" for file in (root / "docs/elements").glob("*.md") for name in re.findall(r"^- `([\w-]+)` \(", section_of(file.read_text(), "Properties"), re.M)}
+listed = set()
+for elements, of_element, declared, effect in rows("Properties"):
+    listed |= {f"{element} {name}" for element in names(elements) for name in names(of_element)}
+    text = "".join(source(file) for file in names(declared))
+    wrong += [f"{declared} does not declare {name}" for name in names(of_element) if f'"{name}"' not in text]
+    for file in names(effect):
+        source(file)
+compare("property", properties, listed)
+
+# Names of structures, also by a constant of the file; lower case with hyphens, unlike keys of other structures.
+structures = set()
+for file in sorted((root / "gst").rglob("*.cpp")):
+    text = file.read_text()
+    for literal, constant in re.findall(r'gst_structure_(?:(?:new|new_empty)\(\s*|set_name\(\w+,\s*)(?:"([^"]+)"|(k\w+))', text):
+        structures.add(literal or re.search(rf'\b{constant}\s*=\s*"([^"]+)"', text).group(1))
+listed = set()
+for structure, _, declared in rows("Messages"):
+    listed |= set(names(structure))
+    wrong += [f"{declared} does not contain {name}" for name in names(structure) if f'"{name}"' not in source(names(declared)[0])]
+compare("structure", {name for name in structures if "-" in name}, listed)
+
+for title, pattern, file in (("Drivers", r'^    \{ "(\w+)", "', "lib/tactor/drivers/registry.cpp"), ("Formats", r'\{ "(\.[\w.]+)", TrackFormat::', "lib/tracks/formats/track_file.cpp")):
+    table = rows(title)
+    compare(title, set(re.findall(pattern, source(file), re.M)), {name for row in table for name in names(row[0])})
+    for row in table:
+        wrong += [f"there is no {name}" for name in names(row[1]) if not (root / name).is_file()]
+
+programs = {folder.name for folder in (root / "tools").iterdir() if (folder / "main.cpp").exists()}
+compare("program", programs, {name for row in rows("Programs") for name in names(row[0])})
+for row in rows("Programs"):
+    wrong += [f"there is no {name}" for name in names(row[1]) if not (root / name).exists()]
+
+print(*wrong, f"{len(properties)} properties, {len(structures)} structures, {len(programs)} programs, {len(wrong)} wrong", sep="\n")
+sys.exit(bool(wrong) or len(properties) < 80)
