@@ -117,9 +117,8 @@ constexpr P kProperties[] = {
   P::number<guint>("n-threads",
                    "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,
                    PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
-  P::flag("exact",
-          "Take every pixel's color: hardly better maps, several times the cost",
-          kPlaying, PROPERTY_FIELD(exact)),
+  P::flag("exact", "Take every pixel's color: hardly better maps, several times the cost", kPlaying,
+          PROPERTY_FIELD(exact)),
   P::stats("stats",
            "Frames passed, analyzed and active (any level above 0); faces in the last frame; times "
            "of analyses and of looks for faces in ns; how frames are read (mapped, gl, element, "

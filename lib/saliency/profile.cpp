@@ -44,10 +44,10 @@ Profile::tuned_spatial()
   Profile profile = tuned();
   profile.spatial_cue = SpatialCue::surroundedness; // contrast × rarity: 1.278
   profile.levels = { { 3, 3 } };                    // 4: 1.547; 2: 1.755, three times the time
-  profile.threshold_step = 3;    // 1.5: 1.710; 2: 1.704; 4: 1.685; 5: 1.678; 8: 1.644
-  profile.area_exponent = 0.5;   // 0: 1.525; 0.25: 1.630; 0.6: 1.707; 0.75: 1.700; 1: 1.644
-  profile.saliency_level = 3;    // 4: 1.680; 5: 1.623
-  profile.rarity = true;         // without: 1.644
+  profile.threshold_step = 3;  // 1.5: 1.710; 2: 1.704; 4: 1.685; 5: 1.678; 8: 1.644
+  profile.area_exponent = 0.5; // 0: 1.525; 0.25: 1.630; 0.6: 1.707; 0.75: 1.700; 1: 1.644
+  profile.saliency_level = 3;  // 4: 1.680; 5: 1.623
+  profile.rarity = true;       // without: 1.644
   profile.cut_share = 1;
   return profile;
 }

@@ -40,8 +40,8 @@ TemporalPyramid::means(std::span<const int> windows, std::vector<cv::Mat> &maps,
     const std::size_t length = std::min(static_cast<std::size_t>(windows[i]), count_);
     const cv::Mat &from = sum(count_ - length);
     maps[i].create(from.size(), CV_32FC1);
-    rows::difference(from.ptr<double>(), sum(count_).ptr<double>(),
-                     1 / static_cast<double>(length), from.total(), maps[i].ptr<float>());
+    rows::difference(from.ptr<double>(), sum(count_).ptr<double>(), 1 / static_cast<double>(length),
+                     from.total(), maps[i].ptr<float>());
   });
 }
 

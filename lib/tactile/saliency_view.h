@@ -26,7 +26,8 @@ struct SaliencyView
   Extent horizontal;
   Extent vertical;
 
-  double strength = 0; ///< of what happens, for Gain::relative; 1: as strong as it gets in this film
+  double strength
+      = 0; ///< of what happens, for Gain::relative; 1: as strong as it gets in this film
 
   bool empty() const
   {

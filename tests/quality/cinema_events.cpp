@@ -46,8 +46,9 @@ public:
   ShakenFilm(ShakenEvent event, double pixels, const cv::Mat &picture, cv::Size size,
              std::uint64_t seed)
       : event_(event), amplitude_(pixels * size.width / 640), picture_(picture), size_(size),
-        random_(seed * 7919 + static_cast<std::uint64_t>(event)),
-        tremors_{ Tremor(random_, 0.5, 5), Tremor(random_, 0.5, 5) }
+        random_(seed * 7919 + static_cast<std::uint64_t>(event)), tremors_{
+          Tremor(random_, 0.5, 5), Tremor(random_, 0.5, 5)
+        }
   {
     for (auto &place : places_)
       place = { random_.uniform(0.2, 0.8) * size.width, random_.uniform(0.25, 0.75) * size.height };
@@ -61,7 +62,8 @@ public:
     const auto index = static_cast<std::size_t>(
         std::clamp((t - kBegin) / kPeriod, 0.0, static_cast<double>(places_.size() - 1)));
     const double since = t - kBegin - kPeriod * static_cast<double>(index);
-    Expected expected{ .events = since >= 0 ? static_cast<int>(index) + 1 : static_cast<int>(index) };
+    Expected expected{ .events
+                       = since >= 0 ? static_cast<int>(index) + 1 : static_cast<int>(index) };
     const cv::Rect2d box = event_ == ShakenEvent::walker
                                ? draw_walker(bgr, index, t, places_[index] - shake)
                                : draw_ball(bgr, since, places_[index] - shake);
@@ -81,10 +83,11 @@ private:
       share = event_ == ShakenEvent::disc ? 1 : std::min(1.0, since / kGrows);
     else if (since >= kStands)
       share = event_ == ShakenEvent::disc ? 0 : std::max(0.0, 1 - (since - kStands) / kGrows);
-    const double radius = share * size_.width * (event_ == ShakenEvent::large_fireball ? 0.15 : 0.08);
+    const double radius
+        = share * size_.width * (event_ == ShakenEvent::large_fireball ? 0.15 : 0.08);
     constexpr int kShift = 4;
-    const cv::Scalar color = event_ == ShakenEvent::disc ? cv::Scalar(60, 60, 220)
-                                                         : cv::Scalar(90, 200, 255);
+    const cv::Scalar color
+        = event_ == ShakenEvent::disc ? cv::Scalar(60, 60, 220) : cv::Scalar(90, 200, 255);
     if (radius > 0.5)
       cv::circle(bgr, cv::Point(cvRound(at.x * (1 << kShift)), cvRound(at.y * (1 << kShift))),
                  cvRound(radius * (1 << kShift)), color, cv::FILLED, cv::LINE_AA, kShift);
@@ -108,11 +111,12 @@ private:
     const cv::Scalar coat(40, 40, 50);
     const double hip = foot.y - 0.45 * height;
     for (const double side : { -1.0, 1.0 })
-      cv::line(bgr, fixed(foot.x, hip), fixed(foot.x + side * swing, foot.y), coat, limb, cv::LINE_AA,
-               kShift);
-    cv::ellipse(bgr, fixed(foot.x, foot.y - 0.62 * height),
-                cv::Size(cvRound(0.14 * height * (1 << kShift)), cvRound(0.24 * height * (1 << kShift))), 0,
-                0, 360, coat, cv::FILLED, cv::LINE_AA, kShift);
+      cv::line(bgr, fixed(foot.x, hip), fixed(foot.x + side * swing, foot.y), coat, limb,
+               cv::LINE_AA, kShift);
+    cv::ellipse(
+        bgr, fixed(foot.x, foot.y - 0.62 * height),
+        cv::Size(cvRound(0.14 * height * (1 << kShift)), cvRound(0.24 * height * (1 << kShift))), 0,
+        0, 360, coat, cv::FILLED, cv::LINE_AA, kShift);
     cv::circle(bgr, fixed(foot.x, foot.y - 0.92 * height), cvRound(0.09 * height * (1 << kShift)),
                cv::Scalar(150, 170, 215), cv::FILLED, cv::LINE_AA, kShift);
     return { foot.x - 0.18 * height, foot.y - height, 0.36 * height, height };
@@ -182,10 +186,10 @@ private:
     const double by = height / kDrawn;
     cv::GaussianBlur(mask, mask, {}, 0.4 / by);
     cv::Mat alpha;
-    cv::warpAffine(mask, alpha,
-                   cv::Matx23d(by, 0, middle.x - by * mask.cols / 2, 0, by,
-                               middle.y - by * mask.rows / 2),
-                   bgr.size(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+    cv::warpAffine(
+        mask, alpha,
+        cv::Matx23d(by, 0, middle.x - by * mask.cols / 2, 0, by, middle.y - by * mask.rows / 2),
+        bgr.size(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
     cv::Mat rest;
     cv::subtract(cv::Scalar::all(235), bgr, rest);
     cv::merge(std::array{ alpha, alpha, alpha }, alpha);

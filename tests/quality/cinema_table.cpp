@@ -180,10 +180,9 @@ add_shaken(std::vector<CinemaCase> &cases, const Pictures &pictures)
 void
 add_overlays(std::vector<CinemaCase> &cases, const Pictures &pictures)
 {
-  for (const auto &[name, overlay] :
-       { std::pair{ "growing title", Overlay::growing_title },
-         { "logo over a pan", Overlay::logo },
-         { "inset that pans", Overlay::inset } }) {
+  for (const auto &[name, overlay] : { std::pair{ "growing title", Overlay::growing_title },
+                                       { "logo over a pan", Overlay::logo },
+                                       { "inset that pans", Overlay::inset } }) {
     const auto make = [=, overlay = overlay](std::uint64_t seed) {
       return overlay_film(overlay, picture_of(pictures, seed), kSize, seed);
     };
@@ -254,6 +253,9 @@ cinema_cases(const Extent &extent)
   add_overlays(cases, pictures);
   add_textures(cases, pictures);
   add_talks(cases, pictures);
+  std::erase_if(cases, [&](const CinemaCase &one) {
+    return one.film.find(extent.scene) == std::string::npos;
+  });
   return cases;
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 
 namespace quality {
 
@@ -22,6 +23,7 @@ struct Extent
   bool full = false;          ///< peers at all sizes and rates, the oracle for whole films
   int threads = 2;            ///< films at a time
   std::filesystem::path data; ///< where osie/ lies; empty: no photographs
+  std::string scene{};        ///< those scenes of cinema whose name has it in it
 };
 
 std::string size_text(cv::Size size);

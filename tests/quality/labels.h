@@ -40,8 +40,8 @@ struct LabelScores
   double felt = 0;      ///< share of the judged frames that are felt
   double precision = 0; ///< of these, those whose strongest cell is right; 1 if none is felt
   double recall = 0;    ///< share of the half seconds to be felt that have a right frame; 1 if none
-  double quiet_felt = 0; ///< share of the frames felt in which nothing is to be felt
-  double full = 0;       ///< share of the felt frames whose strongest level is above 0.9
+  double quiet_felt = 0;   ///< share of the frames felt in which nothing is to be felt
+  double full = 0;         ///< share of the felt frames whose strongest level is above 0.9
   std::vector<Mean> right; ///< in each span, for precision
   std::vector<Mean> found; ///< in each span, for recall
   std::vector<Mean> quiet; ///< in each span, for quiet_felt
@@ -67,12 +67,12 @@ public:
 
 private:
   std::vector<Label> labels_;
-  std::vector<std::vector<bool>> found_; ///< for each label, for each of its half seconds
-  std::vector<Mean> right_;              ///< for each label, of its felt frames
-  std::vector<Mean> quiet_;              ///< for each label, of its quiet frames
+  std::vector<std::vector<bool>> found_;    ///< for each label, for each of its half seconds
+  std::vector<Mean> right_;                 ///< for each label, of its felt frames
+  std::vector<Mean> quiet_;                 ///< for each label, of its quiet frames
   std::vector<std::vector<double>> levels_; ///< for each label, of its frames
-  Mean felt_;                            ///< of the judged frames
-  Mean full_;                            ///< of the felt frames
+  Mean felt_;                               ///< of the judged frames
+  Mean full_;                               ///< of the felt frames
 };
 
 } // namespace quality

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
-#include <cstdlib>
 
 #include "saliency/spatial_saliency.h"
 
@@ -71,10 +70,7 @@ AnalyzerModel::frame(const saliency::FrameView &frame, Time time, Time duration,
                      tactile::TactileMap &map)
 {
   const auto &found = analyzer_.analyze(frame, time, duration);
-  tactile::MappingSettings how = mapping_;
-  if (const char *text = std::getenv("F_FLOOR"); text && how.gain == tactile::Gain::relative) how.floor = std::atof(text);
-  if (const char *text = std::getenv("F_CENTER"); text && how.gain == tactile::Gain::relative) how.center_weight = std::atof(text);
-  tactile::map_saliency(view_of(found), how, map);
+  tactile::map_saliency(view_of(found), mapping_, map);
   return found;
 }
 

@@ -20,8 +20,7 @@ enum class Peer
 };
 
 inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained, Peer::bin_wang,
-                                    Peer::frame_difference, Peer::haptic_lens,
-                                    Peer::rival };
+                                    Peer::frame_difference,  Peer::haptic_lens,  Peer::rival };
 
 const char *name(Peer peer);
 

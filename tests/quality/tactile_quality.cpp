@@ -43,6 +43,7 @@ struct Options
   gint threads = 2;
   gchar *data = nullptr;
   gchar **tables = nullptr;
+  gchar *scene = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
 };
@@ -130,8 +131,8 @@ strength_row(const std::vector<ClipRow> &rows)
 Section
 clip_section(const Extent &extent, Summary &summary)
 {
-  auto rows = score_clips(extent.data / "clips",
-                          extent.quick ? Contenders::ours : Contenders::all, extent.threads);
+  auto rows = score_clips(extent.data / "clips", extent.quick ? Contenders::ours : Contenders::all,
+                          extent.threads);
   std::ranges::move(fitted_elsewhere(rows), std::back_inserter(rows));
   summary.push_back(clip_row(rows, "precision against labels", &LabelScores::right));
   summary.push_back(clip_row(rows, "recall against labels", &LabelScores::found));
@@ -147,12 +148,12 @@ clip_section(const Extent &extent, Summary &summary)
                 "recall", "quiet felt", "full" });
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (const auto &[clip, model, s, labels] : rows)
-    table.add({ clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
-                figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
-                figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
-                figure(labels ? labels->precision : kNone, 2),
-                figure(labels ? labels->recall : kNone, 2),
-                percent(labels ? labels->quiet_felt : kNone), percent(labels ? labels->full : kNone) });
+    table.add(
+        { clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
+          figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
+          figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
+          figure(labels ? labels->precision : kNone, 2), figure(labels ? labels->recall : kNone, 2),
+          percent(labels ? labels->quiet_felt : kNone), percent(labels ? labels->full : kNone) });
   return { table };
 }
 
@@ -309,7 +310,7 @@ report(const Options &options, const std::vector<std::string> &command)
 {
   check_names(options.tables);
   const Extent extent{ options.quick != FALSE, options.full != FALSE, options.threads,
-                       options.data ? options.data : "" };
+                       options.data ? options.data : "", options.scene ? options.scene : "" };
   Summary summary;
   std::ostringstream sections;
   std::ostringstream csv;
@@ -366,6 +367,8 @@ main(int argc, char **argv)
       "Peers at all sizes and frame rates, the oracle for whole films: an hour and a half",
       nullptr },
     { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables, only_table.c_str(), "NAME" },
+    { "scene", 0, 0, G_OPTION_ARG_STRING, &options.scene,
+      "Of the scenes of cinema those whose name has TEXT in it", "TEXT" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write every figure of films as CSV",
       "FILE" },

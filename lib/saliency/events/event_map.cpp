@@ -3,30 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace saliency {
 
 namespace {
 
-float
-tuned(const char *name, float value)
-{
-  const char *text = std::getenv(name);
-  return text ? std::strtof(text, nullptr) : value;
-}
-
-const double kLag = static_cast<double>(tuned("F_LAG", 2.4F)); ///< between the pictures, frames at 30 fps
-constexpr double kShortestStep = 0.9;
-const float kMost = tuned("F_CAP", 31); ///< ΔE of a sample
-const double kSmoothing = static_cast<double>(tuned("F_SMOOTH", 3)); ///< half-life, frames at 30 fps
-const double kEnergyHalf = 1.5;
-const double kBlur = static_cast<double>(tuned("F_BLUR", .0375F)); ///< σ in widths of the picture
-const float kGone = tuned("F_GONE", 0.3F); ///< share of the contrast
-const float kLeast = tuned("F_LEAST", 1);  ///< contrast
-const double kPan = static_cast<double>(tuned("F_PAN", 160));
-const double kTravel = static_cast<double>(tuned("F_TRAVEL", 20));
-const double kTravelFrom = static_cast<double>(tuned("F_TRAVFROM", .08F));
+constexpr double kLag = 2.4;          ///< between the pictures that are compared, frames at 30 fps
+constexpr double kShortestStep = 0.9; ///< between pictures that are kept
+constexpr float kMost = 31;           ///< ΔE of a sample: an event is larger, not brighter
+constexpr double kSmoothing = 3;      ///< half-life of the map, frames at 30 fps
+constexpr double kEnergyHalf = 1.5;   ///< the same of the energy
+constexpr double kBlur = 0.0375;      ///< σ in widths of the picture
+// Something has gone where less than this share of its contrast is left, above the least contrast.
+constexpr float kGone = 0.3F;
+constexpr float kLeast = 1;
+// While the camera moves, weak events are its parallax: the map is divided by 1 + its way in units
+// of this share of the width, and, the more it travels, by what the misfit says.
+constexpr double kUnitsOfWidth = 160;
+constexpr double kTravel = 20;        ///< per sample of misfit
+constexpr double kLeastMisfit = 0.08; ///< samples
+constexpr double kLeastWay = 0.3;     ///< in these units: a camera that travels
 
 /// cv::Mat::setTo allocates.
 void
@@ -160,7 +156,8 @@ EventMap::operator()(const Look &look)
     keep(look);
     return map_;
   }
-  const Similarity before = then->pose == look.pose ? Similarity{} : then->pose.inverse() * look.pose;
+  const Similarity before
+      = then->pose == look.pose ? Similarity{} : then->pose.inverse() * look.pose;
   const cv::Mat *pooled = &unexplained_(look.picture, then->lab, before);
   for (int i = 0; i < look.octaves; ++i) {
     reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
@@ -172,9 +169,11 @@ EventMap::operator()(const Look &look)
   weigh_onsets(look, *then, before, now_);
   blur(now_);
   const auto keeps = static_cast<float>(std::exp2(-look.elapsed / kSmoothing));
-  const double way = displacement(before, look.picture.size()) * kPan / look.picture.size().width;
-  const double travels = 1 + kTravel * std::max(0.0, static_cast<double>(unexplained_.misfit()) - kTravelFrom) * std::min(1.0, way / .3);
-  const auto scale = static_cast<float>(1 / (1 + way) / travels);
+  const double way
+      = displacement(before, look.picture.size()) * kUnitsOfWidth / look.picture.size().width;
+  const double misfit = std::max(0.0, static_cast<double>(unexplained_.misfit()) - kLeastMisfit);
+  const double travel = 1 + kTravel * misfit * std::min(1.0, way / kLeastWay);
+  const auto scale = static_cast<float>(1 / ((1 + way) * travel));
   float most = 0;
   for (std::size_t i = 0; i < now_.total(); ++i) {
     const float now = now_.ptr<float>()[i];

@@ -20,8 +20,8 @@ class EventMap
 public:
   struct Look
   {
-    const LabImage &picture;  ///< at the level of the camera's motion, about 100 samples wide
-    const cv::Mat &contrast;  ///< the spatial saliency map, `octaves` coarser
+    const LabImage &picture; ///< at the level of the camera's motion, about 100 samples wide
+    const cv::Mat &contrast; ///< the spatial saliency map, `octaves` coarser
     int octaves = 1;
     Similarity pose{};  ///< the camera's, in samples of `picture` (CameraMotion::follow)
     double elapsed = 0; ///< frames at 30 fps since the last look

@@ -8,33 +8,25 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 
 namespace saliency {
 
 namespace {
 
-float
-tuned(const char *name, float value)
-{
-  const char *text = std::getenv(name);
-  return text ? std::strtof(text, nullptr) : value;
-}
-
-const float kTexture = tuned("F_TEX", 1.6F);      ///< gradient of a textured place, L* per sample
-const float kNoise = tuned("F_NOISE", .31F);       ///< ΔE
-const float kMisfit = tuned("F_MIS", .1F);      ///< least error of the alignment, samples
-const float kMisfitGain = tuned("F_MISG", 1.2F);
-const float kBeyond = tuned("F_BEY", 2.5F); ///< σ of the noise
-const float kChroma = tuned("F_CHROMA", 0.3F);
-constexpr std::size_t kFewest = 24;   ///< samples that tell of noise
+constexpr float kTexture = 1.6F;    ///< gradient of a textured place, L* per sample
+constexpr float kNoise = 0.31F;     ///< ΔE, of the best of pictures
+constexpr float kMisfit = 0.1F;     ///< least error of the alignment, samples
+constexpr float kMisfitGain = 1.2F; ///< of the error that the pictures tell
+constexpr float kBeyond = 2.5F;     ///< σ of the noise
+constexpr float kChroma = 0.3F; ///< weight of Δa² + Δb²: films store it at half the resolution
+constexpr std::size_t kFewest = 24; ///< samples that tell of noise
 // The exposure is told by means over blocks: interpolation takes contrast from texture.
 constexpr int kBlockColumns = 20;
 constexpr int kBlockRows = 11;
 constexpr std::array kScales{ 12.0, 5.0, 2.4, 2.4 }; ///< of residuals, L*
 constexpr double kVariance = 3;                      ///< pulls the gain to 1, L*²
-constexpr double kSteady = 0.02;       ///< a gain this near to 1 is none
-constexpr double kSteadyOffset = 0.27; ///< L*
+constexpr double kSteady = 0.02;                     ///< a gain this near to 1 is none
+constexpr double kSteadyOffset = 0.27;               ///< L*
 
 } // namespace
 
@@ -42,12 +34,14 @@ void
 Unexplained::align(const LabImage &then, const Similarity &before)
 {
   for (std::size_t c = 0; c < 3; ++c)
-    if (then.planes[c].empty() || (c > 0 && kChroma <= 0))
+    if (then.planes[c].empty())
       then_[c].release();
     else if (before == Similarity{} || then.size().width < 2 || then.size().height < 2)
       then_[c] = then.planes[c];
-    else
-      warp(then.planes[c], before, then_[c]);
+    else {
+      warp(then.planes[c], before, warped_[c]);
+      then_[c] = warped_[c];
+    }
 }
 
 /// Gain and offset of `now`'s lightness, robustly.
@@ -60,7 +54,7 @@ Unexplained::find_exposure(const cv::Mat &now)
     double then = 0;
     double count = 0;
   };
-  std::array<Block, static_cast<std::size_t>(kBlockColumns *kBlockRows)> blocks;
+  std::array<Block, static_cast<std::size_t>(kBlockColumns * kBlockRows)> blocks;
   for (int y = 0; y < now.rows; ++y) {
     const auto *present = now.ptr<float>(y);
     const auto *past = then_[0].ptr<float>(y);

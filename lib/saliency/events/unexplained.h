@@ -39,7 +39,8 @@ private:
   void find_exposure(const cv::Mat &now);
   void find_gradients(const cv::Mat &now);
 
-  std::array<cv::Mat, 3> then_; ///< aligned with now; NaN where it did not look
+  std::array<cv::Mat, 3> warped_;
+  std::array<cv::Mat, 3> then_; ///< aligned with now: warped or not; NaN where it did not look
   float gain_ = 1;
   float offset_ = 0;
   cv::Mat gradients_; ///< the larger of both pictures'

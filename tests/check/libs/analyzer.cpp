@@ -168,7 +168,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_same_film_at_any_rate)
 {
-  // A ball that crosses the picture is as salient at any rate.
+  // A ball that crosses the picture is about as salient at any rate: at 30 fps it is compared with
+  // where it was 67 ms ago, at others 80 to 83 ms.
   const auto run = [](const std::vector<double> &borders) {
     Analyzer analyzer(Profile::tuned());
     double sum = 0;
@@ -201,7 +202,7 @@ GST_START_TEST(test_same_film_at_any_rate)
   fail_unless(reference > kFloor, "no event to compare: %g", reference);
   for (const auto &borders : { regular(24), regular(25), regular(29.97), regular(48), regular(50),
                                regular(60), regular(120), variable })
-    fail_unless_near(run(borders) / reference, 1, 0.25);
+    fail_unless_near(run(borders) / reference, 1, 0.3);
 }
 GST_END_TEST;
 
@@ -243,8 +244,7 @@ GST_START_TEST(test_no_burst)
     starts_anew(gray, 11 * frame);                       // and back
     starts_anew(gray, -100 * kSecond);                   // before zero
     const Time hole = -100 * kSecond + 2 * frame + 64 * frame;
-    fail_unless((peak(analyzer, gray, hole + frame) == 0)
-                == seconds); // longer than two seconds
+    fail_unless((peak(analyzer, gray, hole + frame) == 0) == seconds);    // longer than two seconds
     fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // shorter
   }
 }

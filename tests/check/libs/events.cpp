@@ -30,7 +30,8 @@ constexpr double kNoise = 2.5 * 0.31; ///< ΔE that even parts of a picture with
 
 /// A picture of that lightness, without color.
 LabImage
-picture(const std::function<double(double x, double y)> &lightness, cv::Size size = { kWidth, kHeight })
+picture(const std::function<double(double x, double y)> &lightness,
+        cv::Size size = { kWidth, kHeight })
 {
   LabImage lab;
   for (cv::Mat &plane : lab.planes)
@@ -75,8 +76,8 @@ GST_START_TEST(test_nothing_changes)
 {
   Unexplained unexplained;
   for (const auto &lightness : { even, texture })
-    fail_unless_near(
-        largest(unexplained(picture(lightness), picture(lightness), Similarity{})), 0, 0);
+    fail_unless_near(largest(unexplained(picture(lightness), picture(lightness), Similarity{})), 0,
+                     0);
 }
 GST_END_TEST;
 
@@ -84,9 +85,8 @@ GST_START_TEST(test_disc)
 {
   // A disc of 20 ΔE appears on an even picture: inside, the difference less the noise; outside, none.
   Unexplained unexplained;
-  const LabImage now = picture([](double x, double y) {
-    return in_disc(x, y, 40, 30, 8) ? 70.0 : 50.0;
-  });
+  const LabImage now
+      = picture([](double x, double y) { return in_disc(x, y, 40, 30, 8) ? 70.0 : 50.0; });
   const cv::Mat &beyond = unexplained(now, picture(even), Similarity{});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
@@ -107,7 +107,7 @@ GST_START_TEST(test_exposure)
     };
     fail_unless_near(largest(unexplained(picture(lit), picture(texture), Similarity{})), 0, 0.3);
     const LabImage disc = picture([&](double x, double y) {
-      return in_disc(x, y, 60, 20, 6) ? 95 : lit(x, y);
+      return in_disc(x, y, 60, 20, 6) ? (lit(60, 20) > 50 ? 5.0 : 95.0) : lit(x, y);
     });
     fail_unless(unexplained(disc, picture(texture), Similarity{}).at<float>(20, 60) > 10);
   }
@@ -146,9 +146,9 @@ GST_START_TEST(test_grain)
     const auto disc = [&](double x, double y) {
       return in_disc(x, y, 60, 20, 6) ? 95 : lightness(x, y);
     };
-    fail_unless(
-        cv::mean(unexplained(grainy(disc), grainy(lightness), Similarity{})(cv::Rect(57, 17, 7, 7)))[0]
-        > 10);
+    fail_unless(cv::mean(unexplained(grainy(disc), grainy(lightness),
+                                     Similarity{})(cv::Rect(57, 17, 7, 7)))[0]
+                > 10);
   }
 }
 GST_END_TEST;
@@ -166,24 +166,23 @@ contrast(double value = 0)
 
 GST_START_TEST(test_step)
 {
-  // The left half becomes lighter by 20: there the energy is 20 less the noise. The map is half of
-  // it at first; it halves within a tenth of a second once the change is older than the lag.
+  // A fifth of the picture becomes lighter by 20: there the energy is 20 less the noise. The map is
+  // half of it at first; it halves within a tenth of a second once the change is older than the lag.
   EventMap events;
   const cv::Mat still = contrast(10);
-  const LabImage before = picture([](double x, double) { return x < 50 ? 40.0 : 60.0; });
-  const LabImage after = picture([](double x, double) { return x < 50 ? 60.0 : 60.0; });
+  const LabImage before = picture([](double, double) { return 40.0; });
+  const LabImage after = picture([](double x, double) { return x < 20 ? 60.0 : 40.0; });
   fail_unless_near(largest(events({ .picture = before, .contrast = still })), 0, 0);
   for (int i = 0; i < 10; ++i)
     fail_unless_near(largest(events({ .picture = before, .contrast = still, .elapsed = 1 })), 0, 0);
   cv::Mat map = events({ .picture = after, .contrast = still, .elapsed = 1 });
-  // The exposure takes some of a change this large.
   const double energy = events.energy();
-  fail_unless(energy > 10 && energy <= 20 - kNoise + 1e-3, "%g", energy);
+  fail_unless_near(energy, 20 - kNoise, 0.5); // the blur takes little from the middle
   const double first = largest(map);
   fail_unless(first >= energy / 2 && first < 0.7 * energy, "%g of %g", first, energy);
   cv::Point at;
   cv::minMaxLoc(map, nullptr, nullptr, nullptr, &at);
-  fail_unless(at.x < 25);
+  fail_unless(at.x < 10);
   double last = first;
   for (int i = 0; i < 9; ++i)
     last = largest(events({ .picture = after, .contrast = still, .elapsed = 1 }));
@@ -233,10 +232,8 @@ GST_START_TEST(test_rebase)
     const cv::Mat &map = one({ .picture = now, .contrast = around, .pose = pose, .elapsed = 1 });
     if (i == 10)
       other.rebase(view);
-    const cv::Mat &same = other({ .picture = now,
-                                  .contrast = around,
-                                  .pose = i < 10 ? pose : view * pose,
-                                  .elapsed = 1 });
+    const cv::Mat &same = other(
+        { .picture = now, .contrast = around, .pose = i < 10 ? pose : view * pose, .elapsed = 1 });
     fail_unless_at_most(cv::norm(map, same, cv::NORM_INF), 1e-3);
     most = std::max(most, largest(map));
   }

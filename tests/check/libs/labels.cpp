@@ -80,9 +80,12 @@ GST_START_TEST(test_faults)
     { "0,1,felt,,2,a ball\n", ":2: expected cells unless it is quiet" },
     { "0,1,quiet,3,,black\n", ":2: expected cells unless it is quiet" },
     { "0,1,quiet,,,black\n2,3,quiet,,,black\n", ":3: expected a span that begins where" },
-    { "0,1,felt,4,,a ball\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got ''" },
-    { "0,1,felt,4,4,a ball\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got '4'" },
-    { "0,1,quiet,,1,black\n", ":2: expected a strength of 1 to 3 if it is felt, else none, got '1'" },
+    { "0,1,felt,4,,a ball\n",
+      ":2: expected a strength of 1 to 3 if it is felt, else none, got ''" },
+    { "0,1,felt,4,4,a ball\n",
+      ":2: expected a strength of 1 to 3 if it is felt, else none, got '4'" },
+    { "0,1,quiet,,1,black\n",
+      ":2: expected a strength of 1 to 3 if it is felt, else none, got '1'" },
     { "0,0,quiet,,,black\n", ":2: expected a span that begins where" },
   };
   for (const auto &fault : faults) {
