@@ -94,24 +94,25 @@ read_command_line(int argc, char **argv, Options &options)
     {},
   };
   const auto chair = options.chair.entries();
-  parse_options(
-      argc, argv, entries, options.common,
-      { .arguments = "",
-        .summary = "Plays the track of a film on the chair, in sync with the film that another\n"
-                   "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
-                   "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
-                   "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
-                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                   "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
-                   "Of other films on this computer a draft is made while they play.\n\n"
-                   "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
-                   "10 ms later, SIGUSR2 10 ms earlier.",
-        .least = 0,
-        .most = 0,
-        .force_help = Usage::kWritesNothing,
-        .quiet_help = Usage::kOnlyErrors,
-        .more = chair.data(),
-        .group = gst_init_get_option_group() });
+  parse_options(argc, argv, entries, options.common,
+                { .arguments = "",
+                  .summary
+                  = "Plays the track of a film on the chair, in sync with the film that another\n"
+                    "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
+                    "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
+                    "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
+                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
+                    ".haptic, .ahap, .funscript, .tact) beside it, in its file, or in the folder\n"
+                    "of --tracks; tactile-track makes it. Of other films on this computer a\n"
+                    "draft is made while they play.\n\n"
+                    "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
+                    "10 ms later, SIGUSR2 10 ms earlier.",
+                  .least = 0,
+                  .most = 0,
+                  .force_help = Usage::kWritesNothing,
+                  .quiet_help = Usage::kOnlyErrors,
+                  .more = chair.data(),
+                  .group = gst_init_get_option_group() });
   options.chair.check();
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
