@@ -4,6 +4,8 @@
 // instruction set of this CPU.
 #include "saliency/sampling.h"
 
+#include "frame/lab_image.h"
+
 #include <hwy/targets.h>
 #include <opencv2/core.hpp>
 
