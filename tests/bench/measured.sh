@@ -276,9 +276,9 @@ CAPTION
     sound)
       head_of "Sound"
       cat <<'CAPTION'
-What soundtactile makes of sounds with ground truth: blows of 40 to 110 Hz with a crack of noise, at
+What soundtactile makes of sounds with ground truth: impacts of 40 to 110 Hz with a crack of noise, at
 constant power in one place, rumble, and voices. No sound is one from which the detector's weights
-were [learned or chosen](../design/sound.md#blows). The sounds are synthetic; [sound of two films](sound-clips.md) is
+were [learned or chosen](../design/sound.md#impacts). The sounds are synthetic; [sound of two films](sound-clips.md) is
 what it makes of real ones.
 
 CAPTION
@@ -329,7 +329,7 @@ CAPTION
       cat <<'CAPTION'
 
 With a cut at 100 Hz, below the woman's pitch, nothing of her lines is felt of what is above, either. It
-takes the man's pitch from his voice: then a syllable of the third line is taken for a blow, 4.4 % of it.
+takes the man's pitch from his voice: then a syllable of the third line is taken for an impact, 4.4 % of it.
 CAPTION
       printf '\n## Big Buck Bunny\n\n'
       clip "$clips/big-buck-bunny-5.1.mp4"

@@ -37,7 +37,7 @@ onsets_of(std::span<const sound::Moment> moments)
 }
 
 std::vector<double>
-blows_of(const sound::SyntheticSound &made)
+impacts_of(const sound::SyntheticSound &made)
 {
   std::vector<double> result;
   for (const sound::SoundEvent &event : made.events())

@@ -27,8 +27,8 @@ std::vector<sound::Moment> analyzed(std::span<const float> frames, int rate,
 /// Seconds of the onsets.
 std::vector<double> onsets_of(std::span<const sound::Moment> moments);
 
-/// Seconds of the blows and explosions.
-std::vector<double> blows_of(const sound::SyntheticSound &made);
+/// Seconds of the impacts and explosions.
+std::vector<double> impacts_of(const sound::SyntheticSound &made);
 
 /// Each truth and each onset counts once.
 struct Count
