@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sound/bands.h"
+#include "sound/loudness.h"
 #include "sound/onset_detector.h"
 #include "sound/place.h"
 #include "sound/rumble.h"
@@ -36,8 +37,9 @@ public:
   static constexpr int kLowestRate = 8000; ///< Hz
   static constexpr int kHighestRate = 192000;
 
-  /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers.
-  SoundAnalyzer(int rate, std::span<const Speaker> speakers);
+  /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers. A listener who waits knows
+  /// moments 80 ms later, and more of them.
+  SoundAnalyzer(int rate, std::span<const Speaker> speakers, bool waits = false);
 
   /// Takes interleaved frames, any number. What is now known; valid until the next call.
   std::span<const Moment> add(std::span<const float> frames, const FeelSettings &settings);
@@ -51,7 +53,7 @@ public:
   void reset();
 
 private:
-  static constexpr int kHeld = 12; ///< hops
+  static constexpr int kHeld = OnsetFeatures::kPast + OnsetFeatures::kLater + 1; ///< hops
 
   /// An impact while it lasts.
   struct Impact
@@ -69,7 +71,7 @@ private:
   const BandPowers &powers(int ago) const;
   Moment analyze(bool onset, const FeelSettings &settings);
   void begin_impact();
-  double feel_impact(const FeelSettings &settings);
+  double feel_impact(double gain_db);
 
   std::vector<Speaker> speakers_;
   bool has_rear_;
@@ -81,6 +83,7 @@ private:
   std::int64_t hop_ = 0; ///< the next
   Impact impact_;
   Rumble rumble_;
+  Loudness loudness_;
   std::vector<Moment> moments_;
 };
 

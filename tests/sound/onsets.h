@@ -37,7 +37,8 @@ struct Count
   int found = 0;
   int truths = 0;
 
-  void add(std::span<const double> onsets, std::span<const double> truth);
+  void add(std::span<const double> onsets, std::span<const double> truth,
+           double tolerance = kTolerance);
   double precision() const;
   double recall() const;
   double f1() const;
@@ -54,6 +55,7 @@ struct Peer
 std::vector<Peer> peers();
 
 /// Seconds of the onsets that a peer finds in mono.
-std::vector<double> heard_by(const Peer &peer, std::span<const float> mono, int rate);
+std::vector<double> heard_by(const Peer &peer, std::span<const float> mono, int rate,
+                             int window = 1024);
 
 } // namespace judged
