@@ -123,7 +123,7 @@ public:
     }
     if (error_)
       return std::move(error_).unless_set(Track());
-    return curves.join(Track(1, 1), std::vector<std::vector<std::size_t>>{ { 0 } });
+    return curves.join();
   }
 
 private:

@@ -95,7 +95,7 @@ read_funscript(std::string_view text, std::vector<std::string> &ignored)
     axis.fail(added.error().reason);
   if (error)
     return std::move(error).unless_set(Track());
-  return curves.join(Track(1, 1), std::vector<std::vector<std::size_t>>{ { 0 } });
+  return curves.join();
 }
 
 } // namespace tactile

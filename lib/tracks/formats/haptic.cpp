@@ -91,7 +91,7 @@ read_haptic(std::string_view text, std::vector<std::string> &ignored)
     ignored.emplace_back("the frequencies");
   if (error)
     return std::move(error).unless_set(Track());
-  return curves.join(Track(1, 1), std::vector<std::vector<std::size_t>>{ { 0 } });
+  return curves.join();
 }
 
 } // namespace tactile

@@ -117,4 +117,11 @@ LevelCurves::join(Track track, std::span<const std::vector<std::size_t>> cells)
   return track;
 }
 
+tl::expected<Track, FormatError>
+LevelCurves::join()
+{
+  const std::vector<std::size_t> cell{ 0 };
+  return join(Track(1, 1), { &cell, 1 });
+}
+
 } // namespace tactile

@@ -42,6 +42,8 @@ public:
   /// It ends where the last curve does.
   tl::expected<Track, FormatError> join(Track track,
                                         std::span<const std::vector<std::size_t>> cells);
+  /// The track of channel 0 as one cell.
+  tl::expected<Track, FormatError> join();
 
 private:
   /// A new level of one curve.

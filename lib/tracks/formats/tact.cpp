@@ -103,7 +103,7 @@ public:
       return std::move(error_).unless_set(Track());
     std::set<std::string> others = devices_;
     if (std::erase_if(others, [](const std::string &name) { return is_side(name); }) > 1)
-      ignored.emplace_back("whether a pattern is in front or at the back");
+      ignored.emplace_back("the side of each pattern, as front and back are added");
     if (!others.empty())
       ignored.push_back("the patterns of " + list(others));
     std::vector<std::vector<std::size_t>> cells;

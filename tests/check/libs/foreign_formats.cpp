@@ -129,6 +129,9 @@ GST_START_TEST(test_texts)
   lasting.append(0ms, make_map(1, 1, { 1 }));
   lasting.set_end(70s);
   const std::string events = write_ahap(lasting);
+  fail_unless(events.find("\"Time\":30.000,\"EventType\":\"HapticContinuous\",\"EventDuration\":"
+                          "30.000")
+              != std::string::npos);
   fail_unless(events.find("\"Time\":60.000,\"EventType\":\"HapticContinuous\",\"EventDuration\":"
                           "10.000")
               != std::string::npos);
@@ -241,8 +244,9 @@ GST_START_TEST(test_funscript)
   ASSERT_LEVEL(read(axes, TrackFormat::funscript, &ignored), 50ms, 0.3);
   fail_unless(ignored == Ignored{ "the other axes" });
   const std::string channels
-      = R"({"channels":{"roll":{"actions":[{"at":0,"pos":40},{"at":100,"pos":40}]}}})";
-  ASSERT_LEVEL(read(channels, TrackFormat::funscript), 50ms, 0.4);
+      = R"({"channels":{"roll":{"actions":[{"at":0,"pos":90},{"at":100,"pos":90}]},)"
+        R"("vib":{"actions":[{"at":0,"pos":40},{"at":100,"pos":40}]}}})";
+  ASSERT_LEVEL(read("\xEF\xBB\xBF" + channels, TrackFormat::funscript), 50ms, 0.4);
   ASSERT_COMPLAINT(read_track("{}", TrackFormat::funscript), "document", "'actions'");
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":-1,"pos":0}]})", TrackFormat::funscript),
                    "actions[0]", "100 hours");
@@ -313,7 +317,7 @@ GST_START_TEST(test_tact_devices)
                            + ",\"ForearmR\":" + dot + all.substr(all.rfind("}}]}"));
   Ignored ignored;
   ASSERT_LEVEL(read(both, TrackFormat::tact, &ignored), 150ms, 0.5);
-  const Ignored expected{ "whether a pattern is in front or at the back",
+  const Ignored expected{ "the side of each pattern, as front and back are added",
                           "the patterns of ForearmR" };
   fail_unless(ignored == expected);
   ASSERT_COMPLAINT(read_track(tact(dots(R"({"index":20,"intensity":1})")), TrackFormat::tact),
