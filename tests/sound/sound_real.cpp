@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is felt of real sounds, as tables in Markdown: soundtactile's, those of aubio's detectors and
-// of an envelope, in the same mixes (real_mixes.py).
+// What is felt of real sounds, as tables in Markdown: by soundtactile, aubio's detectors and
+// an envelope, in the same mixes (real_mixes.py).
 //
 // Usage: sound_real FOLDER
 #include "onsets.h"

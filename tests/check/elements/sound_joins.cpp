@@ -84,7 +84,7 @@ track_of(std::optional<double> at, double length)
   return samples;
 }
 
-/// A film whose ball comes with an impact that is so much later than its picture, an audio track each.
+/// A film whose ball comes with an impact that is so much later than its picture, a track each.
 void
 make_film(const std::string &path, const std::vector<std::optional<double>> &later,
           double length = kLength)
