@@ -7,9 +7,9 @@ namespace sound {
 
 /// Finds impacts and explosions in band powers, and tells them from voices and notes.
 ///
-/// An impact fills all bands with noise at once, down to the deepest. A note leaves gaps between its
-/// partials; a voice has little below 65 Hz and rises at some frequencies first. So linear scores
-/// of the same features all have to be above 0 (onset_weights.h).
+/// An impact fills all bands with noise at once, down to the deepest. A note leaves gaps between
+/// its partials; a voice has little below 65 Hz and rises at some frequencies first. So linear
+/// scores of the same features all have to be above 0 (onset_weights.h).
 class OnsetDetector
 {
 public:
