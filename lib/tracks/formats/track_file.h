@@ -19,6 +19,7 @@ enum class TrackFormat
   hjif,      ///< .hjif
   sem,       ///< .sem.xml
   haptic,    ///< .haptic
+  hasp,      ///< .hasp, read-only: the clip that was open
   ahap,      ///< .ahap
   funscript, ///< .funscript
   tact,      ///< .tact, read-only
