@@ -206,6 +206,10 @@ GST_START_TEST(test_hasp)
   ASSERT_LEVEL(*named, 500ms, 0.25);
   fail_unless(ignored == Ignored{ "the clips 'hum', 'hum'" });
 
+  const auto first = read_hasp(hasp(hum + "," + hasp_clip("c", "hum", "0.5")), "hum", ignored);
+  fail_unless(first.has_value());
+  ASSERT_LEVEL(*first, 500ms, 0.75);
+
   ASSERT_COMPLAINT(read_hasp(hasp(hum + "," + kick), "snare", ignored), "document",
                    "expected a clip 'snare', got 'hum', 'kick'");
   const auto complains = [](const std::string &text, const char *place, const char *words) {
