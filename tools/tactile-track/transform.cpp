@@ -3,7 +3,6 @@
 // convert, edit: a track in, a track out.
 #include "commands.h"
 
-#include "tracks/formats/hasp.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
@@ -47,10 +46,10 @@ read_file(const std::string &path, const std::string &clip = "")
   if (!clip.empty() && format != tactile::TrackFormat::hasp)
     throw UsageError("--part is for a .hasp project, '" + path + "' is none");
   std::vector<std::string> ignored;
-  Track track = or_throw(
-      (clip.empty() ? tactile::read_track(text, format, &ignored)
-                    : tactile::read_hasp(text, clip, ignored))
-          .map_error([&](auto error) { return std::move(error).within("'" + path + "'"); }));
+  Track track
+      = or_throw(tactile::read_track(text, format, &ignored, clip).map_error([&](auto error) {
+          return std::move(error).within("'" + path + "'");
+        }));
   return { .text = std::move(text),
            .format = format,
            .track = std::move(track),
@@ -248,8 +247,8 @@ convert(int argc, char **argv)
         = "Converts a track to the format that OUT's name ends in: .vtt "
           "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V), "
           ".haptic (Meta Haptics Studio),\n.ahap (Apple) or .funscript. "
-          "IN may also be .hasp (a project of Haptics Studio) or .tact\n(bHaptics). The parts "
-          "that are lost are printed.",
+          "IN may also be .hasp (a project of\nHaptics Studio) or .tact (bHaptics). The parts that "
+          "are lost are printed.",
         .least = 1,
         .most = 1 });
   if (!output.is_set())

@@ -132,7 +132,8 @@ write_track(const Track &track, TrackFormat format, const std::string &date)
 }
 
 tl::expected<Track, FormatError>
-read_track(std::string_view text, TrackFormat format, std::vector<std::string> *ignored)
+read_track(std::string_view text, TrackFormat format, std::vector<std::string> *ignored,
+           const std::string &clip)
 {
   std::vector<std::string> none;
   std::vector<std::string> &parts = ignored ? *ignored : none;
@@ -152,7 +153,7 @@ read_track(std::string_view text, TrackFormat format, std::vector<std::string> *
   case TrackFormat::funscript:
     return read_funscript(text, parts);
   case TrackFormat::hasp:
-    return read_hasp(text, "", parts);
+    return read_hasp(text, clip, parts);
   case TrackFormat::tact:
     return read_tact(text, parts);
   }
