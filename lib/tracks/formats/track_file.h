@@ -46,8 +46,8 @@ tl::expected<TrackFormat, FormatError> written_format(std::string_view name);
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
 
 /// Converts the content of a file to a track. `ignored`, if any, gets the parts that a track cannot
-/// represent, as nouns such as "the frequencies". `clip` names a clip of a .hasp project; empty: the
-/// clip that was open.
+/// represent, as nouns such as "the frequencies". `clip` names a clip of a .hasp project; if it is
+/// empty, the clip that was open is read.
 tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format,
                                             std::vector<std::string> *ignored = nullptr,
                                             const std::string &clip = {});
