@@ -19,7 +19,7 @@ public:
   {
     constexpr double kStep = 0.002; // dB a hop
     constexpr double kPart = 0.7;
-    constexpr double kSilenceDb = -60;
+    constexpr double kSilenceDb = -50;
     const double db
         = decibels(std::accumulate(powers.sum.begin() + kLowBands, powers.sum.end(), 0.0));
     if (db > kSilenceDb)

@@ -154,10 +154,9 @@ OnsetFeatures::compare()
   *out++ = over_99;
   *out++ = over_most;
   for (std::size_t band = kLowBands; band < kBands; band++)
-    *out++ = static_cast<float>(
-        std::clamp(std::min({ hop(kNow - 1).uneven[band],
-                              hop(kNow - 2).uneven[band], hop(0).uneven[band] }),
-                   0.0, 20.0));
+    *out++ = static_cast<float>(std::clamp(
+        std::min({ hop(kNow - 1).uneven[band], hop(kNow - 2).uneven[band], hop(0).uneven[band] }),
+        0.0, 20.0));
   // What is louder than before, of each band against the most of them.
   std::array<float, kBands> excess{};
   for (std::size_t i = 0; i < kBands; i++)

@@ -283,14 +283,12 @@ what it makes of films.
 
 ## Real sounds
 
-The detector learned synthetic impacts only. This is what it makes of 21 explosions, impacts and shots of a game
-(Debian's scorched3d-data), chosen by file name, unheard. The mixes have about 140 of them each, alone, over that game's
-music and over people's voices, at 16 kHz, mono, with their peak at −3 dB of full scale. The ratio is of an effect's
-first 100 ms to the rest. In the first table are F1 within 50 ms of the first 5 ms within 15 dB of the
-loudest, and onsets a minute where no impact is. aubio and the envelope (10 ms louder than the 100 ms before)
-have in each column the best of their settings, as judged there. In the second are sounds of four minutes,
-and single effects, also weaker: how many begin to be felt within 50 ms, the strongest level, and how much of the time
-something is felt.
+Explosions, impacts, shots and footsteps of three games (Debian's scorched3d-data, teeworlds-data and
+hedgewars-data), chosen by file name, unheard. The mixes have about 120 of them each, alone, over those games'
+music, most of it with drums, and over people's voices, at 16 kHz, mono, with their peak at −3 dB of full scale.
+The ratio is of an effect's first 100 ms to the rest. In the first table are F1 within 50 ms of the first 5 ms
+within 15 dB of the loudest, and onsets a minute where no impact is. aubio and the envelope (10 ms louder than the
+100 ms before) have in each column the best of their settings, as judged there.
 
 CAPTION
       "$root/tests/sound/real_mixes.py" "${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile-sounds" "$work/mixes" >&2

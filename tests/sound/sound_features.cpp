@@ -77,7 +77,8 @@ main(int argc, char **argv)
         row = onset.features();
       if (row.empty())
         continue;
-      const auto number = static_cast<float>(of == "rumble" ? hop : hop - sound::OnsetFeatures::kAhead);
+      const auto number
+          = static_cast<float>(of == "rumble" ? hop : hop - sound::OnsetFeatures::kAhead);
       std::fwrite(&number, sizeof number, 1, stdout);
       std::fwrite(row.data(), sizeof(float), row.size(), stdout);
     }
