@@ -9,8 +9,8 @@
  * asks for, else 3 × 3.
  *
  * ## What is felt
- * - Impacts and explosions: what fills all frequencies with noise at once, down to the lowest. Notes
- *   and voices do not. Felt as strong as what is louder than just before, while it lasts.
+ * - Impacts and explosions: what fills all frequencies with noise at once, down to the lowest.
+ *   Notes and voices do not. Felt as strong as what is louder than just before, while it lasts.
  * - Rumble: what stands out below 65 Hz: a large part of the sound, or an LFE channel's, and louder
  *   than in the seconds before. An engine that goes on fades within half a minute.
  *

@@ -13,8 +13,8 @@ namespace fusion {
 class Fusion
 {
 public:
-  /// An impact so soon after what was seen is felt there: the picture of an impact may be over before
-  /// it is heard.
+  /// An impact so soon after what was seen is felt there: the picture of an impact may be over
+  /// before it is heard.
   static constexpr Time kPlaceHolds = std::chrono::milliseconds(250);
 
   /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next,

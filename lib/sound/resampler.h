@@ -23,9 +23,9 @@ public:
   /// Seconds of sound that come in before the first frame goes out.
   double delay() const;
 
-  /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, and so do those
-  /// within ±kFaintest, whose powers would be numbers too small for the format, which are slow; those
-  /// beyond ±kLoudest count as that.
+  /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, and so do
+  /// those within ±kFaintest, whose powers would be numbers too small for the format, which are
+  /// slow; those beyond ±kLoudest count as that.
   void add(std::span<const float> frames);
 
   /// Writes the next frame, a value a channel. False if more has to come in first.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is felt of real sounds, as tables in Markdown: soundtactile's, those of aubio's detectors and
-// of an envelope, in the same mixes (real_mixes.py).
+// What is felt of real sounds, as tables in Markdown: by soundtactile, aubio's detectors and
+// an envelope, in the same mixes (real_mixes.py).
 //
 // Usage: sound_real FOLDER
 #include "onsets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -22,11 +23,11 @@ constexpr double kWide = 0.05;
 
 struct Film
 {
+  std::string name;
   std::vector<float> samples;
   std::vector<double> truth;
 };
 
-std::vector<std::string> order; // of groups
 std::map<std::string, std::vector<Film>> films;
 
 bool
@@ -42,12 +43,11 @@ read(const std::string &folder)
     std::ifstream file(folder + "/" + name, std::ios::binary);
     const std::vector<char> bytes{ std::istreambuf_iterator<char>(file), {} };
     Film film;
+    std::getline(fields, film.name, '\t');
     const auto *samples = reinterpret_cast<const float *>(bytes.data());
     film.samples.assign(samples, samples + bytes.size() / sizeof(float));
     for (double at = 0; fields >> at;)
       film.truth.push_back(at);
-    if (!films.contains(group))
-      order.push_back(group);
     films[group].push_back(std::move(film));
   }
   return !films.empty();
@@ -82,6 +82,9 @@ const std::vector<std::string> kMixes{ "silence", "music +6 dB", "music 0 dB", "
 /// Those that were best in a longer search.
 const std::vector<Peer> kPeers{ { "complex", 1 },  { "complex", 2 }, { "specflux", 1 },
                                 { "specflux", 2 }, { "hfc", 1 },     { "hfc", 2 } };
+
+/// Effects are weaker by that, dB.
+constexpr std::array kLess{ 0, 6, 12, 18, 24, 30, 36, 42, 48 };
 
 const std::vector<std::string> kAlone{ "music alone", "speech alone" };
 
@@ -183,26 +186,49 @@ main(int argc, char **argv)
         best(std::vector{ 3.0, 4.5, 6.0, 9.0, 12.0, 15.0 },
              [](double rise, std::span<const float> samples) { return envelope(samples, rise); }));
 
-  std::puts("\n| sound | n | begins | strongest, mean | felt of the time | with rumble "
-            "|\n|---|---|---|---|---|---|");
-  for (const std::string &group : order) {
-    if (std::ranges::count(kMixes, group) > 0)
-      continue;
-    double begins = 0;
-    double most = 0;
+  std::printf(
+      "\nHow many begin to be felt within 50 ms, and the strongest level, mean:\n\n| sound | n |");
+  for (const int less : kLess)
+    std::printf(" −%d dB |", less);
+  std::printf("\n|---|---|");
+  for (std::size_t i = 0; i < std::size(kLess); i++)
+    std::printf("---|");
+  std::string missed;
+  for (const char *kind : { "explosion", "impact", "gun", "footstep" }) {
+    std::printf("\n| %s | %zu |", kind, films[kind].size());
+    for (const int less : kLess) {
+      const auto &some = films[less > 0 ? kind + (", −" + std::to_string(less)) + " dB" : kind];
+      double begins = 0;
+      double most = 0;
+      for (const Film &film : some) {
+        const Felt one = felt(film, false);
+        begins += one.begins ? 1 : 0;
+        most += one.most / static_cast<double>(some.size());
+        if (less == 0 && !one.begins)
+          missed += (missed.empty() ? "" : ", ") + film.name;
+      }
+      std::printf(" %.0f %%, %.2f |", 100 * begins / static_cast<double>(some.size()), most);
+    }
+  }
+  std::printf("\n\nMissed at full level: %s.\n", missed.empty() ? "none" : missed.c_str());
+
+  std::puts(
+      "\n| sound | n | some is felt | felt of the time | with rumble |\n|---|---|---|---|---|");
+  for (const char *kind :
+       { "music alone", "speech alone", "narrator", "engine", "ambient", "explosion" }) {
+    double any = 0;
     double share = 0;
     double with = 0;
-    const std::vector<Film> &some = films[group];
+    const std::vector<Film> &some = films[kind];
     const auto n = static_cast<double>(some.size());
     for (const Film &film : some) {
-      const Felt alone = felt(film, false);
-      begins += alone.begins ? 1 : 0;
-      most += alone.most / n;
-      share += alone.share / n;
-      with += felt(film, true).share / n;
+      share += felt(film, false).share / n;
+      const Felt all = felt(film, true);
+      with += all.share / n;
+      any += all.most > 0 ? 1 : 0;
     }
-    std::printf("| %s | %zu | %.0f %% | %.2f | %.1f %% | %.1f %% |\n", group.c_str(), some.size(),
-                100 * begins / n, most, 100 * share, 100 * with);
+    std::printf("| %s | %zu | %.0f %% | %.1f %% | %.1f %% |\n", kind, some.size(), 100 * any / n,
+                100 * share, 100 * with);
   }
   return 0;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Picture and sound of a film in playbin and playbin3: a ball that hits the ground with an impact is
-// one cue. No test depends on the machine's speed: a map waits until the sound of its time has been
-// heard, and the clock does not go on while the machine holds all up.
+// Picture and sound of a film in playbin and playbin3: a ball that hits the ground with an impact
+// is one cue. No test depends on the machine's speed: a map waits until the sound of its time has
+// been heard, and the clock does not go on while the machine holds all up.
 #include "sound/synthetic_sound.h"
 #include "tactile/synthetic_film.h"
 
@@ -84,7 +84,7 @@ track_of(std::optional<double> at, double length)
   return samples;
 }
 
-/// A film whose ball comes with an impact that is so much later than its picture, an audio track each.
+/// A film whose ball comes with an impact that is so much later than its picture, a track each.
 void
 make_film(const std::string &path, const std::vector<std::optional<double>> &later,
           double length = kLength)

@@ -69,7 +69,7 @@ GST_START_TEST(test_chair)
 }
 GST_END_TEST;
 
-// Of two in one pipeline none speaks for the other: the silence of one leaves the impacts of another.
+// Of two in one pipeline none speaks for the other: one is silent, the other has its impacts.
 GST_START_TEST(test_two_sounds)
 {
   GstElement *pipeline = make_pipeline(
