@@ -9,8 +9,8 @@
 
 namespace sound {
 
-/// How loud a film is: the level below which it is for 70 % of the time that it sounds, above 94 Hz,
-/// followed by 0.3 dB a second at most. One explosion hardly moves it.
+/// How loud a film is: the level below which it is for 70 % of the time that it sounds, above 94
+/// Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
 class Loudness
 {
 public:

@@ -612,6 +612,6 @@ inline constexpr std::array<float, 40> kOnsetOut{
   0.4846F,  0.5191F, 0.6735F,  -0.8934F, 0.6663F,  0.5817F,  0.6683F,  -1.177F,  -0.8909F, -0.6619F,
   0.7122F,  0.7371F, 0.5483F,  0.5795F,  -0.6907F, -0.8896F, -0.9664F, 0.5677F,  -0.9501F, -1.203F
 };
-inline constexpr float kOnsetOffset = -2.9464F;
+inline constexpr float kOnsetOffset = -2.8046F;
 
 } // namespace sound

@@ -16,8 +16,8 @@ namespace {
 constexpr double kSmooth = 0.05;
 constexpr double kSeconds = 0.0025;
 constexpr double kSilenceDb = -70;
-/// Added to powers, so that silence is nothing and numbers too small for the format, which are slow,
-/// do not come.
+/// Added to powers, so that silence is nothing and numbers too small for the format, which are
+/// slow, do not come.
 constexpr double kNothing = 1e-9;
 
 } // namespace

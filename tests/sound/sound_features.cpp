@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // What tests/sound/train.py learns from: 16 kHz, mono, raw 32-bit floats in; on standard output a
-// row of 32-bit floats for each moment: its hop's number and its features. Without a sound: how many these are.
+// row of 32-bit floats for each moment: its hop's number and its features. Without a sound: how
+// many these are.
 //
 // Usage: sound_features impacts|rumble [SOUND.f32]
 //        sound_features make SEED impacts|explosions|music|impacts+0|impacts+6 MADE.f32
-// The second writes a minute of synthetic sound, with music if a ratio in dB is given, and prints its
-// impacts' seconds.
+//
+// The second writes a minute of synthetic sound, with music if a ratio in dB is given, and prints
+// its impacts' seconds.
 #include "sound/onset_features.h"
 #include "sound/rumble_features.h"
 #include "sound/synthetic_sound.h"

@@ -213,7 +213,8 @@ GST_START_TEST(test_engine_fades)
 }
 GST_END_TEST;
 
-// The weaker an impact, the weaker it is felt, down to -24 dB at least: a level of 1 has 40 dB, and no step is a cliff.
+// The weaker an impact, the weaker it is felt, down to -24 dB at least: a level of 1 has 40 dB,
+// and no step is a cliff.
 GST_START_TEST(test_strength)
 {
   constexpr double kStepDb = 8;
