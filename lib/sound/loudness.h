@@ -9,8 +9,8 @@
 
 namespace sound {
 
-/// How loud a film is: the level below which it is for 70 % of the time that it sounds, above 94
-/// Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
+/// How loud a film is: the level below which it is for 70 % of the time that it sounds, above
+/// 190 Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
 class Loudness
 {
 public:
@@ -20,8 +20,8 @@ public:
     constexpr double kStep = 0.002; // dB a hop
     constexpr double kPart = 0.7;
     constexpr double kSilenceDb = -50;
-    const double db
-        = decibels(std::accumulate(powers.sum.begin() + kLowBands, powers.sum.end(), 0.0));
+    constexpr int kFirst = kLowBands + 1; // the lowest octave has some of what is deeper
+    const double db = decibels(std::accumulate(powers.sum.begin() + kFirst, powers.sum.end(), 0.0));
     if (db > kSilenceDb)
       db_ += db > db_ ? kStep * kPart : -kStep * (1 - kPart);
     db_ = std::clamp(db_, kUsualDb - kMostDb, kUsualDb + kMostDb);
