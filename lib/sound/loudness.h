@@ -10,7 +10,7 @@
 namespace sound {
 
 /// How loud a film is: the level below which it is for 70 % of the time that it sounds, above
-/// 190 Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
+/// 375 Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
 class Loudness
 {
 public:
@@ -20,7 +20,7 @@ public:
     constexpr double kStep = 0.002; // dB a hop
     constexpr double kPart = 0.7;
     constexpr double kSilenceDb = -50;
-    constexpr int kFirst = kLowBands + 1; // the lowest octave has some of what is deeper
+    constexpr int kFirst = kLowBands + 2; // the lower octaves have some of what is deeper
     const double db = decibels(std::accumulate(powers.sum.begin() + kFirst, powers.sum.end(), 0.0));
     if (db > kSilenceDb)
       db_ += db > db_ ? kStep * kPart : -kStep * (1 - kPart);
