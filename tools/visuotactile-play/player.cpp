@@ -31,7 +31,7 @@ constexpr guint kFinishSeconds = 2;
 class Run
 {
 public:
-  Run(const PlaySettings &settings, const Film &film, Strip &strip)
+  Run(const PlaySettings &settings, const Film &film, Strip *strip)
       : settings_(settings), film_(film), strip_(strip), loop_(g_main_loop_new(nullptr, FALSE))
   {
   }
@@ -56,7 +56,7 @@ public:
     chair_ = element(pipeline_, "chair");
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
-    if (settings_.has_trace)
+    if (!settings_.commands.empty())
       g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
     if (film_.has_sound)
       g_signal_connect(element(pipeline_, "film").get(), "no-more-pads", G_CALLBACK(no_more_pads),
@@ -157,11 +157,12 @@ private:
     const GstClockTime time = running_time(pad, buffer);
     GstCaps *caps = gst_pad_get_current_caps(pad);
     if (caps && GST_CLOCK_TIME_IS_VALID(time)) {
-      self->strip_.offer(buffer, caps, time);
+      if (self->strip_)
+        self->strip_->offer(buffer, caps, time);
       if (self->position_.exchange(end_of(buffer, time)) == 0) {
         if (!self->settings_.quiet)
           std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
-                       self->settings_.window ? "Playing" : "Recording, in real time,",
+                       self->settings_.recording.empty() ? "Playing" : "Recording, in real time,",
                        self->film_.title.c_str());
         self->post("playing");
       }
@@ -240,7 +241,7 @@ private:
   /// Ends the recording without waiting for film or clock. The main loop ends when it is complete.
   void end_at_once()
   {
-    if (settings_.window || recorded_.load()) {
+    if (settings_.recording.empty() || recorded_.load()) {
       g_main_loop_quit(loop_);
       return;
     }
@@ -412,7 +413,7 @@ private:
 
   const PlaySettings &settings_;
   const Film &film_;
-  Strip &strip_;
+  Strip *strip_;
   GMainLoop *loop_;
   Pipeline pipeline_;
   Owned<GstElement> analysis_;
@@ -482,7 +483,7 @@ have_display()
 }
 
 PlayReport
-play(const Film &film, const PlaySettings &settings, Strip &strip)
+play(const Film &film, const PlaySettings &settings, Strip *strip)
 {
   return Run(settings, film, strip)();
 }

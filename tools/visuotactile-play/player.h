@@ -34,4 +34,5 @@ struct PlayReport
 bool have_display();
 
 /// Plays the film to its end, or until SIGINT, SIGTERM or SIGHUP. All files are complete then.
-PlayReport play(const Film &film, const PlaySettings &settings, Strip &strip);
+/// `strip`, if any, is offered each frame.
+PlayReport play(const Film &film, const PlaySettings &settings, Strip *strip);
