@@ -2,6 +2,7 @@
 //
 // visuotactile-play: plays a film on screen (or records it) and on the chair, and prints a report.
 #include "devices.h"
+#include "display.h"
 #include "player.h"
 #include "strip.h"
 
@@ -155,9 +156,11 @@ read_command_line(int argc, char **argv, Options &options)
           "the commands\nto the chair are written to DIR/commands.csv, a few frames with their "
           "maps to\nDIR/strip.png, and without a window the film with its overlay to "
           "DIR/visuotactile.mkv.\nExisting files are replaced only with --force.\n\n"
-          "With --sensitivity or --density a bar at the picture's lower edge shows the\n"
-          "strongest event, which is felt where the bar passes the red mark. In the film's\n"
-          "window the keys Up and Down change the sensitivity, Left and Right the density.\n\n"
+          "Keys in the window: Space pauses, Left and Right move by 10 s, Down and Up by a "
+          "minute,\n+ and - change the intensity of the vibration, M switches it off and on, Q "
+          "quits. 1 and 2\nchange the sensitivity, 3 and 4 the density; then, as with "
+          "--sensitivity or --density, a bar\nat the picture's lower edge shows the strongest "
+          "event, which is felt where the bar passes\nthe red mark.\n\n"
           "Ctrl-C ends the film, with all motors at zero and complete files; a second "
           "Ctrl-C\nends it at once.",
         .least = 0,
