@@ -25,6 +25,7 @@ make_mapping(const SaliencySettings &settings)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
   mapping.floor /= settings.sensitivity;
   mapping.units_per_delta_e /= settings.sensitivity;
+  mapping.sensitivity = settings.sensitivity;
   return mapping;
 }
 
@@ -208,7 +209,8 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
                                     .height = saliency.rows,
                                     .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
                                     .horizontal = { shown.x, shown.width },
-                                    .vertical = { shown.y, shown.height } };
+                                    .vertical = { shown.y, shown.height },
+                                    .strength = found.strength };
   how.floor = density_.follow(view, how.floor, settings.density, time);
   tactile::Viewport viewport;
   if (settings.viewport == ViewportMode::adaptive)
