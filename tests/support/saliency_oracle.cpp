@@ -420,16 +420,4 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
   return sum;
 }
 
-namespace {
-
-/// The value at quantile `q`.
-double
-quantile(std::vector<double> values, double q)
-{
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
-
-} // namespace
-
 } // namespace oracle

@@ -42,8 +42,8 @@ public:
   /// Changes the frame of reference of all poses: `view` maps the old one to the new one.
   void rebase(const Similarity &view);
 
-  /// What is over still raises the map for so long, in frames at 30 fps.
-  static constexpr int kHold = 8;
+  /// The map of an event that is over is below the floor after at most so long, in frames at 30 fps.
+  static constexpr int kHold = 15;
 
 private:
   struct Picture
