@@ -17,7 +17,7 @@
 namespace saliency {
 
 /// The level at which L*a*b* is computed for an image at `level`, unless the exact map is asked
-/// for: the first of at most 150,000 samples, or `level` if that comes first. Converting at an early
+/// for: the first of at most 150,000 samples, or `level` if that is first. Converting at an early
 /// level is more accurate, converting at a late one is faster.
 int decimation_level(cv::Size frame, int level);
 

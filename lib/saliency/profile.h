@@ -53,7 +53,7 @@ inline constexpr int kFewestSamples = 64;
 /// are ≥ 0 and not NaN.
 struct Profile
 {
-  /// Convert every pixel to L*a*b* before decimation, however large the frame is (decimation_level()).
+  /// Convert every pixel to L*a*b* before decimation, also in large frames (decimation_level()).
   bool exact = false;
   /// 0: pyramid levels are the frame's own. Otherwise they are renumbered: level 2 becomes the
   /// level whose larger side is nearest to this width in octaves, shifted if needed so that no

@@ -19,11 +19,11 @@ namespace tactor {
 /// Turns the stream of tactile maps into commands. All times are running times; maps come in order
 /// of time. Not thread-safe: tactorsink's streaming thread has it.
 ///
-/// A block of BlockGrid has the levels of the map that it begins with. A map with a cell that is
-/// stronger by half begins a block at once, so that no cue is lost or late, whatever the rate; cells
-/// that have not been felt for a whole block yet go on in it. With Compensation::frame_block blocks
-/// are those of the grid alone, as in the paper. The grid begins anew after silence(), reset() and a
-/// change of rate, mapping or number of cells.
+/// A block of BlockGrid has the levels of its first map. A map with a cell that is stronger by half
+/// begins a block at once, so that no cue is lost or late at any rate; cells that were not felt for
+/// a whole block yet go on in it. With Compensation::frame_block, blocks are those of the grid
+/// alone, as in the paper. The grid begins anew after silence(), reset() and a change of rate,
+/// mapping or number of cells.
 ///
 /// A command is due so early that it is at its motor at arrival_time(). Commands for one tactor are
 /// never due before their predecessors, on whose amplitude they build.

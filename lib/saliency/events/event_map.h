@@ -42,7 +42,7 @@ public:
   /// Changes the frame of reference of all poses: `view` maps the old one to the new one.
   void rebase(const Similarity &view);
 
-  /// The map of an event that is over is below the floor after at most so long, in frames at 30 fps.
+  /// The map of an event that is over is below the floor after so long, in frames at 30 fps.
   static constexpr int kHold = 15;
 
 private:

@@ -190,7 +190,7 @@ GST_START_TEST(test_strongest_frame)
   };
   fail_unless(plan(0, 0.4F, 0) == "0:120 ");
   fail_unless(plan(1, 0.5F, 0).empty());
-  fail_unless(plan(2, 0, 0.8F) == "1:240 ");  // the first has had 2 of its 6 frames
+  fail_unless(plan(2, 0, 0.8F) == "1:240 "); // the first has had 2 of its 6 frames
   fail_unless(plan(3, 0, 0.9F).empty());
   fail_unless(plan(7, 0.2F, 0.2F).empty());
   fail_unless(plan(8, 0.2F, 0.2F) == "0:60 1:60 "); // six frames later

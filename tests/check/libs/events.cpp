@@ -84,7 +84,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_disc)
 {
-  // A disc of 20 ΔE appears on an even picture: inside, the difference less the noise; outside, none.
+  // A disc of 20 ΔE appears on an even picture: inside, the difference less the noise; outside, 0.
   Unexplained unexplained;
   const LabImage now
       = picture([](double x, double y) { return in_disc(x, y, 40, 30, 8) ? 70.0 : 50.0; });
@@ -168,7 +168,7 @@ contrast(double value = 0)
 GST_START_TEST(test_step)
 {
   // A fifth of the picture becomes lighter by 20: there the energy is 20 less the noise. The map is
-  // half of it at first; it halves within a tenth of a second once the change is older than the lag.
+  // half of it at first; it halves in a tenth of a second once the change is older than the lag.
   EventMap events;
   const cv::Mat still = contrast(10);
   const LabImage before = picture([](double, double) { return 40.0; });
@@ -228,14 +228,14 @@ GST_START_TEST(test_duration)
         const double time = static_cast<double>(i) / fps;
         const double at = 20 + 40 * std::clamp(time - 1, 0.0, 1.0);
         const bool there = time >= 0;
-        const LabImage now = picture([&](double x, double y) {
-          return there && in_disc(x, y, at, 30, 6) ? lightness : 50;
-        });
+        const LabImage now = picture(
+            [&](double x, double y) { return there && in_disc(x, y, at, 30, 6) ? lightness : 50; });
         cv::Mat around = contrast();
         if (there)
           around(cv::Rect(static_cast<int>(at) / 2 - 4, 11, 8, 8)).setTo(lightness - 50);
-        const bool felt = largest(events({ .picture = now, .contrast = around, .elapsed = 30.0 / fps }))
-                          > floor;
+        const bool felt
+            = largest(events({ .picture = now, .contrast = around, .elapsed = 30.0 / fps }))
+              > floor;
         const bool moves = time > 1 && time < 2;
         if (i == 0 || moves)
           fail_unless(felt, "%d fps, lightness %g: silent at %g s", fps, lightness, time);

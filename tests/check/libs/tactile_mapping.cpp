@@ -413,8 +413,8 @@ GST_START_TEST(test_profiles)
 
   const auto tuned = MappingSettings::tuned();
   fail_unless(silent(levels(Map(9, 9, 0.79F), tuned, 3, 3, 1)));
-  // The center counts more, but a corner is felt: 1 − 0.4 + 0.4 · 0.411112 beside it, 0.4 · 0.169013
-  // in the corners.
+  // The center counts more, but a corner is felt: 1 − 0.4 + 0.4 · 0.411112 beside it, and in the
+  // corners 0.4 · 0.169013.
   const TactileMap even = levels(Map(9, 9, 0.81F), tuned, 3, 3, 1);
   for (int i = 0; i < 9; ++i)
     fail_unless_near(even.levels[static_cast<std::size_t>(i)],
