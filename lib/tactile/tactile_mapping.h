@@ -56,8 +56,8 @@ struct MappingSettings
   /// picture's width that appears has 0.13 units per ΔE.
   static MappingSettings tuned();
 
-  /// For Profile::tuned_spatial() maps: a perceptual gain. Values are ΔE for figures of one percent of
-  /// the picture and larger for smaller ones, so one unit is taken as half a ΔE. The floor is the
+  /// For Profile::tuned_spatial() maps: a perceptual gain. Values are ΔE for figures of a hundredth
+  /// of the picture and larger for smaller ones, so a unit is taken as half a ΔE. The floor is the
   /// weakest event that a motor can render, 4 ΔE. The picture's center has a weight, as people look
   /// there in photographs.
   static MappingSettings tuned_spatial();
