@@ -278,7 +278,7 @@ GST_START_TEST(test_rates)
   constexpr double kFaintest = 0.2; // level of the weakest cue
   // A ball that appears is felt for about a fifth of a second. Its beginning is off by up to a
   // frame, and its end by that and by the rounding of the lag to frames: at 24 fps by 30 % of it.
-  // One cell in nine is felt, all the time if a ball goes on and on: 2 % of the mean level. Both are
+  // One cell in nine is felt, all the time if a ball goes on: 2 % of the mean level. Both are
   // twice as much at the variable rate, whose frames last 61 ms on average, gaps included.
   const std::array rates{ Rate{ "24/s", constant_rate(24), 0.02, kFaintest, 0.7 },
                           Rate{ "25/s", constant_rate(25), 0.02, kFaintest, 0.7 },
