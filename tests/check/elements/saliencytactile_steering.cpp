@@ -166,8 +166,8 @@ GST_START_TEST(test_face_detector)
   const auto two_faces = [](int way) {
     return [=](int x, int y) {
       const double dx = (x + 0.5 - 53 - way) / kHalfWidth;
-      const double dy = (y + 0.5 - 120) / kHalfWidth;
-      const double dx_other = (x + 0.5 - 267 + way) / kHalfWidth;
+      const double dy = (y + 0.5 - 120 - way) / kHalfWidth;
+      const double dx_other = (x + 0.5 - 267 - way) / kHalfWidth;
       return std::max(schematic_face_at(dx, dy), schematic_face_at(dy, dx_other));
     };
   };
@@ -175,7 +175,7 @@ GST_START_TEST(test_face_detector)
     g_autofree gchar *line
         = g_strdup_printf("facedetect display=false updates=none ! saliencytactile %s", weights);
     Analysis analysis(line, kCaps);
-    // Both appear and move towards the middle, so both are felt to the end.
+    // Both appear and move along the diagonal, so both are felt to the end, and alike.
     for (guint i = 0; i < 30; i++) {
       const int way = static_cast<int>(i) - 12;
       g_autoptr(GstBuffer) out

@@ -254,7 +254,7 @@ const std::array kCases{
         [] {
           return quality::ball_film({ .pattern = tactile::FilmPattern::dynamic_motion, .seed = 5 });
         },
-        0, 0, kMoves, 1, 0.015 },
+        0, 0.05, kMoves, 1, 0.015 },
   Case{ "still", [] { return disturbed(quality::Disturbance::still); }, 2 },
   Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kMissed, kFelt, 1, 0.005,
         0.8 },
