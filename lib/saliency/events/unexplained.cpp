@@ -20,6 +20,10 @@ constexpr float kMisfitGain = 1.2F; ///< of the error that the pictures tell
 constexpr float kBeyond = 2.5F;     ///< σ of the noise
 constexpr float kChroma = 0.3F; ///< weight of Δa² + Δb²: films store it at half the resolution
 constexpr std::size_t kFewest = 24; ///< samples that tell of noise
+// An object alone on an even ground has all of the texture, and would explain its own motion.
+constexpr int kParts = 4;        ///< of each side
+constexpr int kFewestParts = 5;  ///< that have texture
+constexpr int kFewestOfPart = 4; ///< samples
 // The exposure is told by means over blocks: interpolation takes contrast from texture.
 constexpr int kBlockColumns = 20;
 constexpr int kBlockRows = 11;
@@ -143,6 +147,7 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   beyond_.create(size, CV_32FC1);
   even_.clear();
   textured_.clear();
+  std::array<int, static_cast<std::size_t>(kParts * kParts)> parts{};
   const bool chroma = !then_[1].empty() && !now.planes[1].empty();
   for (int y = 0; y < size.height; ++y) {
     const auto *present = lightness.ptr<float>(y);
@@ -159,13 +164,18 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
       out[x] = difference;
       if (std::isnan(difference))
         continue;
-      if (gradient[x] > kTexture)
+      if (gradient[x] > kTexture) {
         textured_.push_back(difference / gradient[x]);
-      else
+        ++parts[static_cast<std::size_t>(y * kParts / size.height * kParts
+                                         + x * kParts / size.width)];
+      } else
         even_.push_back(difference);
     }
   }
-  misfit_ = textured_.size() < kFewest ? 0 : quantile(textured_, 0.5);
+  const bool told = textured_.size() >= kFewest && std::ranges::count_if(parts, [](int count) {
+                                                     return count >= kFewestOfPart;
+                                                   }) >= kFewestParts;
+  misfit_ = told ? quantile(textured_, 0.5) : 0;
   const float noise = kNoise + (even_.size() < kFewest ? 0 : 1.48F * quantile(even_, 0.5));
   const float slope = kMisfit + kMisfitGain * misfit_;
   for (std::size_t i = 0; i < beyond_.total(); ++i) {

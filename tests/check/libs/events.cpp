@@ -98,6 +98,21 @@ GST_START_TEST(test_disc)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_slow_disc)
+{
+  // A disc alone has all of the picture's texture. It moves by half a sample: an edge of 20 ΔE
+  // differs by 10, which its own motion must not explain.
+  Unexplained unexplained;
+  const auto disc_at = [](double at) {
+    return picture([at](double x, double y) {
+      return 50 + 20 * std::clamp(8.5 - std::hypot(x - at, y - 30), 0.0, 1.0);
+    });
+  };
+  fail_unless_near(largest(unexplained(disc_at(40.5), disc_at(40), Similarity{})),
+                   10 - 2.5 * std::hypot(0.31, 0.1 * 10), 0.8);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_exposure)
 {
   // Gain and offset of the whole picture are no event, and a disc in it still is one.
@@ -306,6 +321,7 @@ events_suite(void)
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_nothing_changes);
   tcase_add_test(tc, test_disc);
+  tcase_add_test(tc, test_slow_disc);
   tcase_add_test(tc, test_exposure);
   tcase_add_test(tc, test_camera);
   tcase_add_test(tc, test_grain);
