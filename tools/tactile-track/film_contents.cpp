@@ -283,17 +283,21 @@ read_contents(const std::string &path, const std::function<void(double)> &on_pro
   std::string text;
   std::vector<std::vector<FilmStream::Packet>> packets;
   int percent = 0;
-  // A line a packet, before all else.
+  bool is_in_packets = false;
+  // "packets" comes before all else and has a line a packet, and more for its side data.
   const ProgramEnd end = run_program(
       { "ffprobe", "-v", "error", "-probesize", "50M", "-analyzeduration", "50M", "-show_format",
         "-show_streams", "-show_chapters", "-show_entries", "packet=stream_index,pts_time,size,pos",
         "-of", "json=compact=1", "file:" + path },
       "ffmpeg", [&](std::string_view line) {
-        long stream = 0;
-        if (!line.starts_with("        { \"stream_index\"")) {
-          text.append(line).append("\n");
+        if (!is_in_packets) {
+          is_in_packets = line == "    \"packets\": [";
+          if (!is_in_packets)
+            text.append(line).append("\n");
           return;
         }
+        is_in_packets = line != "    ],";
+        long stream = 0;
         if (!read_field(line, "\"stream_index\"", stream) || stream < 0 || stream >= kMostStreams)
           return;
         if (packets.size() <= static_cast<std::size_t>(stream))
