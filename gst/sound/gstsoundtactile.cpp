@@ -2,15 +2,15 @@
 /**
  * SECTION:element-soundtactile
  * @title: soundtactile
- * @short_description: makes tactile maps of sound: blows and rumble are felt, voices are not
+ * @short_description: makes tactile maps of sound: impacts and rumble are felt, voices are not
  *
  * soundtactile passes audio through, untouched, and sends what is felt of it as a stream of tactile
  * maps on its `tactile` pad, #GstSoundTactile:maps-per-second of them. The grid is what downstream
  * asks for, else 3 × 3.
  *
  * ## What is felt
- * - Blows and explosions: what fills all frequencies with noise at once, down to the lowest. Notes
- *   and voices do not. Felt as strong as what is louder than just before, while it lasts.
+ * - Impacts and explosions: what fills all frequencies with noise at once, down to the lowest.
+ *   Notes and voices do not. Felt as strong as what is louder than just before, while it lasts.
  * - Rumble: what stands out below 65 Hz: a large part of the sound, or an LFE channel's, and louder
  *   than in the seconds before. An engine that goes on fades within half a minute.
  *
@@ -217,7 +217,7 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
   tell_chairs(self);
   if (const fusion::Profile *profile = joined(self)) {
     priv->used.feel.gain_db += profile->gain_db;
-    priv->used.feel.blows &= profile->blows;
+    priv->used.feel.impacts &= profile->impacts;
     priv->used.feel.rumble &= profile->rumble;
   }
   agree_on_grid(self);
@@ -366,16 +366,20 @@ gst_sound_tactile_change_state(GstElement *element, GstStateChange transition)
   return result;
 }
 
+constexpr auto kDeprecated = static_cast<GParamFlags>(properties::kPlaying | G_PARAM_DEPRECATED);
+
 using P = properties::Property<Settings>;
 static constexpr P kProperties[] = {
   P::number<guint>("maps-per-second", "Maps a second on the tactile pad", properties::kReady,
                    PROPERTY_FIELD(maps_per_second), P::Range{ 10, 200 }),
   P::number<gdouble>("gain", "Added to every sound before its level, in dB",
                      properties::kControllable, PROPERTY_FIELD(feel.gain_db), P::Range{ -40, 40 }),
-  P::flag("blows", "Whether blows and explosions are felt", properties::kPlaying,
-          PROPERTY_FIELD(feel.blows)),
+  P::flag("impacts", "Whether impacts, explosions and shots are felt", properties::kPlaying,
+          PROPERTY_FIELD(feel.impacts)),
   P::flag("rumble", "Whether what goes on below 65 Hz is felt", properties::kPlaying,
           PROPERTY_FIELD(feel.rumble)),
+  P::flag("blows", "Deprecated, the former name of impacts", kDeprecated,
+          PROPERTY_FIELD(feel.impacts)),
 };
 
 static Settings &
@@ -407,7 +411,7 @@ gst_sound_tactile_class_init(GstSoundTactileClass *klass)
   gst_element_class_add_static_pad_template(element_class, &tactile_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile sound analysis", "Filter/Analyzer/Audio",
-      "Passes audio through and makes tactile maps of its blows and rumble, not of voices",
+      "Passes audio through and makes tactile maps of its impacts and rumble, not of voices",
       "The visuotactile authors");
 }
 

@@ -4,7 +4,7 @@
  * @title: tactilesoundtestsrc
  * @short_description: makes sounds that are to be felt, and others, with ground truth
  *
- * tactilesoundtestsrc makes blows, explosions, rumble and music in mono, stereo, 5.1 and 7.1. A
+ * tactilesoundtestsrc makes impacts, explosions, rumble and music in mono, stereo, 5.1 and 7.1. A
  * sound depends only on the properties and its time: it is the same at any rate and after any seek.
  * Silence follows after #GstTactileSoundTestSrc:seconds.
  *
@@ -225,13 +225,14 @@ static constexpr P kProperties[] = {
                      PROPERTY_FIELD(seed)),
   P::number<gdouble>("seconds", "Length of what is made; silence follows", properties::kReady,
                      PROPERTY_FIELD(seconds), P::Range{ 0, 3600 }),
-  P::flag("impacts", "Blows, one every 0.8 to 2 s", properties::kReady, PROPERTY_FIELD(impacts)),
+  P::flag("impacts", "Impacts, one every 0.8 to 2 s", properties::kReady, PROPERTY_FIELD(impacts)),
   P::flag("explosions", "Explosions, one every 5 to 9 s", properties::kReady,
           PROPERTY_FIELD(explosions)),
   P::flag("rumble", "Rumble, every 6 to 10 s", properties::kReady, PROPERTY_FIELD(rumble)),
   P::flag("music", "Music: bass, chords, melody and hi-hats", properties::kReady,
           PROPERTY_FIELD(music)),
-  P::number<gdouble>("impacts-db", "Root mean square of a blow's first 100 ms, in dB of full scale",
+  P::number<gdouble>("impacts-db",
+                     "Root mean square of an impact's first 100 ms, in dB of full scale",
                      properties::kReady, PROPERTY_FIELD(impacts_db), P::Range{ -90, 0 }),
   P::number<gdouble>("music-db", "Root mean square of the music, in dB of full scale",
                      properties::kReady, PROPERTY_FIELD(music_db), P::Range{ -90, 0 }),
@@ -271,7 +272,7 @@ gst_tactile_sound_test_src_class_init(GstTactileSoundTestSrcClass *klass)
   GST_PUSH_SRC_CLASS(klass)->create = gst_tactile_sound_test_src_create;
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(element_class, "Tactile sound test source", "Source/Audio",
-                                        "Makes blows, explosions, rumble and music, with ground "
+                                        "Makes impacts, explosions, rumble and music, with ground "
                                         "truth",
                                         "The visuotactile authors");
 }

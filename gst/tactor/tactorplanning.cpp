@@ -89,7 +89,7 @@ TactorPlanning::plan_map(GstBuffer *buffer, TactorStream::Span shown,
                                                                static_cast<int>(map.columns));
   }
   planner_->set_settings(settings);
-  // The sound's maps: a blow may be over before the next block.
+  // The sound's maps: an impact may be over before the next block.
   const bool at_once = stream_.is_map() && GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap);
   Plan plan{ .commands = has_levels
                              ? planner_->plan(shown.start, shown.duration, map.levels, at_once)

@@ -26,9 +26,9 @@ using tactile::TactileMap;
 
 namespace {
 
-/// Maps wait until so much of the film is behind them: a blow that is heard before its picture is
-/// felt where it will be seen. In a live stream its sound is known by then, too. Three frames of 30
-/// a second.
+/// Maps wait until so much of the film is behind them: an impact that is heard before its picture
+/// is felt where it will be seen. In a live stream its sound is known by then, too. Three frames
+/// of 30 a second.
 constexpr GstClockTime kLookAhead = 95 * GST_MSECOND;
 
 /// Of a film that does not tell its rate: of 24 frames a second.

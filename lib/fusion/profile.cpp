@@ -11,14 +11,14 @@ namespace {
 using tactile::Mix;
 
 constexpr Profile kProfiles[] = {
-  { "film", "The picture, made stronger by blows, and blows that are not seen; no rumble",
+  { "film", "The picture, made stronger by impacts, and impacts that are not seen; no rumble",
     Mix::accent, 0, true, false },
-  { "music", "The picture, and beside it blows and rumble where they sound", Mix::max, 0, true,
+  { "music", "The picture, and beside it impacts and rumble where they sound", Mix::max, 0, true,
     true },
   { "dialogue-heavy",
-    "The picture, made stronger by blows, at 6 dB less; no sound without a picture", Mix::stress,
+    "The picture, made stronger by impacts, at 6 dB less; no sound without a picture", Mix::stress,
     -6, true, false },
-  { "bass-shaker", "Blows and rumble where they sound, at 6 dB more; no picture", Mix::replace, 6,
+  { "bass-shaker", "Impacts and rumble where they sound, at 6 dB more; no picture", Mix::replace, 6,
     true, true },
 };
 

@@ -15,7 +15,7 @@ struct Profile
   const char *does; ///< one sentence for a list
   tactile::Mix mix;
   double gain_db; ///< added to every sound before its level
-  bool blows;     ///< blows and explosions are felt
+  bool impacts;   ///< impacts, explosions and shots are felt
   bool rumble;    ///< what goes on below 65 Hz is felt
 };
 

@@ -5,11 +5,11 @@
 
 namespace sound {
 
-/// Finds blows and explosions in band powers, and tells them from voices and notes.
+/// Finds impacts and explosions in band powers, and tells them from voices and notes.
 ///
-/// A blow fills all bands with noise at once, down to the deepest. A note leaves gaps between its
-/// partials; a voice has little below 65 Hz and rises at some frequencies first. So linear scores
-/// of the same features all have to be above 0 (onset_weights.h).
+/// An impact fills all bands with noise at once, down to the deepest. A note leaves gaps between
+/// its partials; a voice has little below 65 Hz and rises at some frequencies first. So linear
+/// scores of the same features all have to be above 0 (onset_weights.h).
 class OnsetDetector
 {
 public:
@@ -17,7 +17,7 @@ public:
   /// No second onset within this time.
   static constexpr int kDeadHops = 16;
 
-  /// Takes the next hop. True if a blow was heard in the hop kAhead before it.
+  /// Takes the next hop. True if an impact was heard in the hop kAhead before it.
   bool add(const BandPowers &powers);
 
   /// Powers in the last 45 ms before the hop that add() spoke of, the largest of each band.

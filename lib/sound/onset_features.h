@@ -9,10 +9,10 @@ namespace sound {
 
 inline constexpr int kFeatures = 46;
 
-/// What tells blows from voices and notes, about one moment: in dB, except those marked.
+/// What tells impacts from voices and notes, about one moment: in dB, except those marked.
 using Features = std::array<double, kFeatures>;
 
-/// Band powers over time → the features of each moment at which a blow may begin.
+/// Band powers over time → the features of each moment at which an impact may begin.
 class OnsetFeatures
 {
 public:

@@ -81,7 +81,9 @@ Resampler::add(std::span<const float> frames)
     float *end = held + held_frames_ - done;
     for (std::size_t i = 0; i < count; i++) {
       const float sample = frames[i * static_cast<std::size_t>(channels_) + c];
-      end[i] = std::isfinite(sample) ? std::clamp(sample, -kLoudest, kLoudest) : 0.0F;
+      end[i] = std::isfinite(sample) && std::abs(sample) >= kFaintest
+                   ? std::clamp(sample, -kLoudest, kLoudest)
+                   : 0.0F;
     }
   }
   held_frames_ += count - done;

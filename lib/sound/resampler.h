@@ -23,8 +23,9 @@ public:
   /// Seconds of sound that come in before the first frame goes out.
   double delay() const;
 
-  /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, those beyond
-  /// ±kLoudest as that.
+  /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, and so do
+  /// those within ±kFaintest, whose powers would be numbers too small for the format, which are
+  /// slow; those beyond ±kLoudest count as that.
   void add(std::span<const float> frames);
 
   /// Writes the next frame, a value a channel. False if more has to come in first.
@@ -36,6 +37,7 @@ public:
   static constexpr int kBlock = 1024;     ///< frames
   static constexpr double kPassed = 0.45; ///< of the lower rate: what is below in frequency
   static constexpr float kLoudest = 16;
+  static constexpr float kFaintest = 1e-10F; ///< −200 dB
 
 private:
   void make_taps(int count);

@@ -11,11 +11,12 @@ namespace sound {
 namespace {
 
 constexpr double kHopS = 0.005;
-/// A blow is over when its level is below this, but not before kLeastHops.
+/// An impact is over when its level is below this, but not before kLeastHops.
 constexpr double kOver = 0.25;
 constexpr int kLeastHops = 12;
-/// A blow is loudest within this time, and over when it has fallen by 12 dB, or when what is heard
-/// from 500 Hz to 4 kHz are tones: then it is a voice that sounded like a blow at first, or music.
+/// An impact is loudest within this time, and over when it has fallen by 12 dB, or when what is
+/// heard from 500 Hz to 4 kHz are tones: then it is a voice that sounded like an impact at first,
+/// or music.
 constexpr int kAttackHops = 3;
 constexpr double kFaded = 0.063;
 constexpr double kTonal = 5.5; ///< mean BandPowers::uneven, dB
@@ -55,7 +56,7 @@ SoundAnalyzer::reset()
   held_.fill({});
   newest_ = 0;
   hop_ = 0;
-  blow_ = {};
+  impact_ = {};
   rumble_.reset();
 }
 
@@ -92,24 +93,24 @@ SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
 {
   Moment moment;
   moment.begin = (hop_ - 1 - OnsetDetector::kAhead) * kHopTime;
-  moment.onset = onset && settings.blows;
+  moment.onset = onset && settings.impacts;
   if (moment.onset)
-    begin_blow();
-  const double blow = feel_blow(settings);
+    begin_impact();
+  const double impact = feel_impact(settings);
   const double heard = rumble_.add(powers(OnsetDetector::kAhead), settings.gain_db);
   const double rumble = settings.rumble ? heard : 0;
-  moment.level = static_cast<float>(std::max(blow, rumble));
-  if (blow >= rumble)
-    moment.place = blow_.place;
+  moment.level = static_cast<float>(std::max(impact, rumble));
+  if (impact >= rumble)
+    moment.place = impact_.place;
   else
     moment.place = place_of(speakers_, rumble_.powers(), 1);
   return moment;
 }
 
 void
-SoundAnalyzer::begin_blow()
+SoundAnalyzer::begin_impact()
 {
-  blow_ = { .lasts = true, .before = detector_.before() };
+  impact_ = { .lasts = true, .before = detector_.before() };
   std::array<double, kMaxSpeakers> rises{};
   for (std::size_t c = 0; c < speakers_.size(); c++)
     for (std::size_t band = 1; band < kBands; band++) {
@@ -119,41 +120,43 @@ SoundAnalyzer::begin_blow()
         now = std::max(now, powers(ago).of[c][band]);
       for (int ago = OnsetDetector::kAhead + 2; ago < kHeld; ago++)
         before = std::max(before, powers(ago).of[c][band]);
-      // Bands in which the blow stands out count most.
-      rises[c] += std::max(0.0, now - before) / (blow_.before[band] + 1e-9);
+      // Bands in which the impact stands out count most.
+      rises[c] += std::max(0.0, now - before) / (impact_.before[band] + 1e-9);
     }
-  blow_.place = place_of(speakers_, std::span(rises).first(speakers_.size()),
-                         powers(OnsetDetector::kAhead - 1).likeness);
+  impact_.place = place_of(speakers_, std::span(rises).first(speakers_.size()),
+                           powers(OnsetDetector::kAhead - 1).likeness);
 }
 
 double
-SoundAnalyzer::feel_blow(const FeelSettings &settings)
+SoundAnalyzer::feel_impact(const FeelSettings &settings)
 {
-  if (!blow_.lasts)
+  if (!impact_.lasts)
     return 0;
   const Powers &now = powers(OnsetDetector::kAhead).sum;
   double excess = 0;
   for (std::size_t band = 0; band < kBands; band++) {
-    // The loudest until now's analysis ends: a blow begins at once.
+    // The loudest until now's analysis ends: an impact begins at once.
     double power = now[band];
-    if (blow_.hops == 0)
+    if (impact_.hops == 0)
       for (int ago = 0; ago < OnsetDetector::kAhead; ago++)
         power = std::max(power, powers(ago).sum[band]);
-    excess += std::max(0.0, power - blow_.before[band]);
+    excess += std::max(0.0, power - impact_.before[band]);
   }
   // It only fades: what gets louder after its begin is something else.
-  if (blow_.hops < kAttackHops) {
-    blow_.smooth = blow_.power = blow_.loudest = std::max(blow_.loudest, excess);
+  if (impact_.hops < kAttackHops) {
+    impact_.smooth = impact_.power = impact_.loudest = std::max(impact_.loudest, excess);
   } else {
-    blow_.smooth += kSmooth * (excess - blow_.smooth);
-    blow_.power = std::min(blow_.power, blow_.smooth);
+    impact_.smooth += kSmooth * (excess - impact_.smooth);
+    impact_.power = std::min(impact_.power, impact_.smooth);
   }
-  blow_.level = std::max(level_of(blow_.power, settings.gain_db), blow_.level - kHopS / kFallS);
+  impact_.level
+      = std::max(level_of(impact_.power, settings.gain_db), impact_.level - kHopS / kFallS);
   const Powers &uneven = powers(OnsetDetector::kAhead).uneven;
   const bool is_tonal = (uneven[4] + uneven[5] + uneven[6]) / 3 > kTonal;
-  const bool goes_on = blow_.power > kFaded * blow_.loudest && blow_.level >= kOver && !is_tonal;
-  blow_.lasts = blow_.hops++ < kLeastHops || goes_on;
-  return blow_.lasts ? std::max(blow_.level, kOver) : 0;
+  const bool goes_on
+      = impact_.power > kFaded * impact_.loudest && impact_.level >= kOver && !is_tonal;
+  impact_.lasts = impact_.hops++ < kLeastHops || goes_on;
+  return impact_.lasts ? std::max(impact_.level, kOver) : 0;
 }
 
 } // namespace sound

@@ -14,9 +14,9 @@ namespace sound {
 
 struct FeelSettings
 {
-  double gain_db = 0; ///< added to every sound before its level
-  bool blows = true;  ///< blows and explosions are felt
-  bool rumble = true; ///< what stands out below 65 Hz is felt
+  double gain_db = 0;  ///< added to every sound before its level
+  bool impacts = true; ///< impacts, explosions and shots are felt
+  bool rumble = true;  ///< what stands out below 65 Hz is felt
 };
 
 /// What is felt during kHopTime.
@@ -25,7 +25,7 @@ struct Moment
   Time begin{ 0 }; ///< of the sound since the reset
   float level = 0; ///< [0, 1]
   Place place;
-  bool onset = false; ///< a blow or an explosion begins within 8 ms of the middle
+  bool onset = false; ///< an impact or an explosion begins within 8 ms of the middle
 };
 
 /// A film's sound → what of it is felt, when and where. The result depends on the frames only, not
@@ -53,8 +53,8 @@ public:
 private:
   static constexpr int kHeld = 12; ///< hops
 
-  /// A blow while it lasts.
-  struct Blow
+  /// An impact while it lasts.
+  struct Impact
   {
     bool lasts = false;
     int hops = 0;      ///< since its onset
@@ -68,8 +68,8 @@ private:
 
   const BandPowers &powers(int ago) const;
   Moment analyze(bool onset, const FeelSettings &settings);
-  void begin_blow();
-  double feel_blow(const FeelSettings &settings);
+  void begin_impact();
+  double feel_impact(const FeelSettings &settings);
 
   std::vector<Speaker> speakers_;
   bool has_rear_;
@@ -79,7 +79,7 @@ private:
   std::array<BandPowers, kHeld> held_{};
   int newest_ = 0;
   std::int64_t hop_ = 0; ///< the next
-  Blow blow_;
+  Impact impact_;
   Rumble rumble_;
   std::vector<Moment> moments_;
 };

@@ -12,7 +12,7 @@ namespace sound {
 
 enum class SoundKind
 {
-  impact,    ///< a blow: within 2 ms, over after 0.1–0.5 s
+  impact,    ///< an impact: within 2 ms, over after 0.1–0.5 s
   explosion, ///< within 4 ms, with a low roll of 1–3 s
   rumble,    ///< swells within 0.3–0.6 s: an engine, an earthquake
   music,     ///< a note or a hi-hat
@@ -37,7 +37,7 @@ struct SoundSettings
   bool rumble = false;
   bool music = false;
   double music_db = -20;   ///< root mean square, in dB of full scale
-  double impacts_db = -20; ///< root mean square of a blow's first 100 ms
+  double impacts_db = -20; ///< root mean square of an impact's first 100 ms
   bool panned = true;      ///< sounds are at places of their own, else in the middle of the front
 };
 

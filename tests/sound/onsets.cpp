@@ -37,7 +37,7 @@ onsets_of(std::span<const sound::Moment> moments)
 }
 
 std::vector<double>
-blows_of(const sound::SyntheticSound &made)
+impacts_of(const sound::SyntheticSound &made)
 {
   std::vector<double> result;
   for (const sound::SoundEvent &event : made.events())
@@ -47,12 +47,12 @@ blows_of(const sound::SyntheticSound &made)
 }
 
 void
-Count::add(std::span<const double> onsets, std::span<const double> truth)
+Count::add(std::span<const double> onsets, std::span<const double> truth, double tolerance)
 {
   std::vector<bool> used(onsets.size());
   for (const double at : truth)
     for (std::size_t i = 0; i < onsets.size(); i++)
-      if (!used[i] && std::abs(onsets[i] - at) <= kTolerance) {
+      if (!used[i] && std::abs(onsets[i] - at) <= tolerance) {
         used[i] = true;
         right++;
         break;
@@ -91,19 +91,18 @@ peers()
 }
 
 std::vector<double>
-heard_by(const Peer &peer, std::span<const float> mono, int rate)
+heard_by(const Peer &peer, std::span<const float> mono, int rate, int window)
 {
-  constexpr uint_t kWindow = 1024;
-  constexpr uint_t kHop = 512;
-  aubio_onset_t *onset
-      = new_aubio_onset(peer.method.c_str(), kWindow, kHop, static_cast<uint_t>(rate));
+  const auto size = static_cast<uint_t>(window);
+  const uint_t hop = size / 2;
+  aubio_onset_t *onset = new_aubio_onset(peer.method.c_str(), size, hop, static_cast<uint_t>(rate));
   aubio_onset_set_threshold(onset, static_cast<smpl_t>(peer.threshold));
   aubio_onset_set_minioi_s(onset, 0.08F); // as ours
-  fvec_t *in = new_fvec(kHop);
+  fvec_t *in = new_fvec(hop);
   fvec_t *out = new_fvec(1);
   std::vector<double> result;
-  for (std::size_t at = 0; at + kHop <= mono.size(); at += kHop) {
-    std::copy_n(mono.begin() + static_cast<std::ptrdiff_t>(at), kHop, in->data);
+  for (std::size_t at = 0; at + hop <= mono.size(); at += hop) {
+    std::copy_n(mono.begin() + static_cast<std::ptrdiff_t>(at), hop, in->data);
     aubio_onset_do(onset, in, out);
     if (out->data[0] != 0)
       result.push_back(static_cast<double>(aubio_onset_get_last_s(onset)));

@@ -27,8 +27,8 @@ std::vector<sound::Moment> analyzed(std::span<const float> frames, int rate,
 /// Seconds of the onsets.
 std::vector<double> onsets_of(std::span<const sound::Moment> moments);
 
-/// Seconds of the blows and explosions.
-std::vector<double> blows_of(const sound::SyntheticSound &made);
+/// Seconds of the impacts and explosions.
+std::vector<double> impacts_of(const sound::SyntheticSound &made);
 
 /// Each truth and each onset counts once.
 struct Count
@@ -37,7 +37,8 @@ struct Count
   int found = 0;
   int truths = 0;
 
-  void add(std::span<const double> onsets, std::span<const double> truth);
+  void add(std::span<const double> onsets, std::span<const double> truth,
+           double tolerance = kTolerance);
   double precision() const;
   double recall() const;
   double f1() const;
@@ -54,6 +55,7 @@ struct Peer
 std::vector<Peer> peers();
 
 /// Seconds of the onsets that a peer finds in mono.
-std::vector<double> heard_by(const Peer &peer, std::span<const float> mono, int rate);
+std::vector<double> heard_by(const Peer &peer, std::span<const float> mono, int rate,
+                             int window = 1024);
 
 } // namespace judged

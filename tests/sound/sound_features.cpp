@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // What tests/sound/train.py learns lib/sound/onset_weights.h from: a line for each moment at which
-// a blow may begin.
+// an impact may begin.
 //
 // Usage: sound_features SEED SPEECH.wav ... >FEATURES.csv     (16-bit mono)
 // SEED: of the first sound. Those that follow are below SEED + 1000.
-// Columns: class (notes, voices), blow (its number, 0 if none is near), seconds, features
+// Columns: class (notes, voices), impact (its number, 0 if none is near), seconds, features
 #include "onsets.h"
 #include "speech.h"
 
@@ -31,14 +31,14 @@ constexpr double kSeconds = 60;
 constexpr int kTrainRate = 22050;
 constexpr int kNarrowRate = 8000;
 constexpr std::uint64_t kNarrowFilms = 2;
-/// A moment so close to a blow's begin may stand for it, s.
+/// A moment so close to an impact's begin may stand for it, s.
 constexpr double kNear = 0.0151;
-/// One that is closer than this, before or after, is neither a blow nor none, s.
+/// One that is closer than this, before or after, is neither an impact nor none, s.
 constexpr double kBefore = 0.04;
 constexpr double kAfter = 0.1;
 
 std::uint64_t first_seed = 0;
-int blows = 0;
+int impacts = 0;
 
 void
 write(const char *of, std::span<const float> frames, int rate, int channels,
@@ -58,22 +58,22 @@ write(const char *of, std::span<const float> frames, int rate, int channels,
       const auto close = std::ranges::find_if(truth, [&](double begin) {
         return seconds > begin - kBefore && seconds < begin + kAfter;
       });
-      int blow = 0;
+      int impact = 0;
       if (close != truth.end()) {
         if (std::abs(seconds - *close) > kNear)
           continue;
-        blow = blows + 1 + static_cast<int>(close - truth.begin());
+        impact = impacts + 1 + static_cast<int>(close - truth.begin());
       }
-      std::printf("%s,%d,%.3f", of, blow, seconds);
+      std::printf("%s,%d,%.3f", of, impact, seconds);
       for (const double feature : features.features())
         std::printf(",%.3f", feature);
       std::printf("\n");
     }
   }
-  blows += static_cast<int>(truth.size());
+  impacts += static_cast<int>(truth.size());
 }
 
-/// Blows and explosions, alone and in music; music.
+/// Impacts and explosions, alone and in music; music.
 void
 notes()
 {
@@ -83,7 +83,7 @@ notes()
       const int rate = film < kNarrowFilms ? kNarrowRate : kTrainRate;
       const SyntheticSound made(settings);
       write("notes", rendered(made, kSeconds, rate, sound::usual_speakers(2)), rate, 2,
-            blows_of(made));
+            impacts_of(made));
       settings.seed += 100;
     };
     add();
@@ -138,7 +138,7 @@ noise(std::size_t samples, std::uint64_t seed)
   return result;
 }
 
-/// A voice alone, in noise, in rumble, over music; blows while somebody talks.
+/// A voice alone, in noise, in rumble, over music; impacts while somebody talks.
 void
 voice(const Speech &speech, std::uint64_t seed)
 {
@@ -173,7 +173,7 @@ voice(const Speech &speech, std::uint64_t seed)
   for (const double db : { -14.0, -20.0 }) {
     settings.seed += 100;
     settings.impacts_db = db;
-    add(mixed(mixed(alone, made(), 0), white, -55), blows_of(SyntheticSound(settings)));
+    add(mixed(mixed(alone, made(), 0), white, -55), impacts_of(SyntheticSound(settings)));
   }
 }
 

@@ -39,15 +39,16 @@ mono_of(std::span<const float> stereo)
   return result;
 }
 
-/// Onsets of blows in music, ours and aubio's.
+/// Onsets of impacts in music, ours and aubio's.
 void
 onsets()
 {
   const auto speakers = sound::usual_speakers(2);
   std::puts(
-      "## Blows in music\n\n"
-      "Six minutes of blows in music with bass, chords, melody and hi-hats, in stereo; onsets\n"
-      "within 20 ms of the truth. The ratio is of a blow's first 100 ms to the music. Of each of\n"
+      "## Impacts in music\n\n"
+      "Six minutes of impacts in music with bass, chords, melody and hi-hats, in stereo; onsets\n"
+      "within 20 ms of the truth. The ratio is of an impact's first 100 ms to the music. Of each "
+      "of\n"
       "aubio's methods the row has that of six thresholds, 0.1 to 4, which is best here. aubio\n"
       "looks for all onsets, those of notes, too: its precision says how much a chair would do\n"
       "with it that it should not.\n\n"
@@ -62,7 +63,7 @@ onsets()
                                   .music = true,
                                   .impacts_db = SoundSettings().music_db + ratio });
       const std::vector<float> frames = rendered(made, kSeconds, judged::kRate, speakers);
-      const std::vector<double> truth = blows_of(made);
+      const std::vector<double> truth = impacts_of(made);
       ours.add(onsets_of(analyzed(frames, judged::kRate, speakers)), truth);
       const std::vector<float> mono = mono_of(frames);
       for (std::size_t i = 0; i < others.size(); i++)
@@ -93,7 +94,7 @@ others()
 {
   const auto speakers = sound::usual_speakers(2);
   Count explosions;
-  Count blows;
+  Count impacts;
   Count music;
   for (int film = 0; film < kFilms; film++) {
     SoundSettings settings{ .seed = kFirstSeed + 100 + static_cast<std::uint64_t>(film) };
@@ -101,9 +102,9 @@ others()
       const SyntheticSound made(settings);
       into.add(onsets_of(analyzed(rendered(made, kSeconds, judged::kRate, speakers), judged::kRate,
                                   speakers)),
-               blows_of(made));
+               impacts_of(made));
     };
-    count(blows);
+    count(impacts);
     settings.impacts = false;
     settings.explosions = true;
     count(explosions);
@@ -113,9 +114,9 @@ others()
   }
   std::printf("\n## Other sounds\n\nSix minutes each.\n\n"
               "| sound | result |\n|---|---|\n"
-              "| blows in silence | F1 %.3f |\n| explosions in silence | F1 %.3f |\n"
+              "| impacts in silence | F1 %.3f |\n| explosions in silence | F1 %.3f |\n"
               "| music alone | %.1f false onsets a minute |\n",
-              blows.f1(), explosions.f1(), music.found * 60.0 / (kFilms * kSeconds));
+              impacts.f1(), explosions.f1(), music.found * 60.0 / (kFilms * kSeconds));
 }
 
 /// How much of some of the time is felt, and how strongly.
@@ -212,15 +213,15 @@ rumble()
   }
 }
 
-/// Columns and rows of blows.
+/// Columns and rows of impacts.
 void
 places()
 {
   std::puts(
       "\n## Places\n\n"
-      "Blows from the left, the middle and the right, in 5.1 from front and rear, felt most in\n"
+      "Impacts from the left, the middle and the right, in 5.1 from front and rear, felt most in\n"
       "that column (row) of 3 × 3 cells during their first 60 ms. Counted are those found.\n\n"
-      "| sound | channels | blows | right column | right row |\n|---|---|---|---|---|");
+      "| sound | channels | impacts | right column | right row |\n|---|---|---|---|---|");
   for (const bool music : { false, true })
     for (const int channels : { 2, 6, 8 }) {
       const auto speakers = sound::usual_speakers(channels);
@@ -276,7 +277,7 @@ voices(std::span<char *> names)
       "tell,\n"
       "what is felt are steps at the beginning of messages (fr-Armelle), deep noise that lasts\n"
       "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very beginning (cards,\n"
-      "commands). Of Allison-es-8kHz syllables are taken for blows, none of them at 16 kHz.\n"
+      "commands). Of Allison-es-8kHz syllables are taken for impacts, none of them at 16 kHz.\n"
       "Without what is below 80 Hz, which sound editors usually take out of speech, all have at\n"
       "most 1 %, but for the knock.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
@@ -322,11 +323,11 @@ voices(std::span<char *> names)
 void
 rates()
 {
-  std::puts(
-      "\n## Sample rates\n\n"
-      "One minute of blows in music at 0 dB, in stereo, against the same sound at 48 kHz: onsets\n"
-      "that have one within 10 ms, and the mean difference of levels.\n\n"
-      "| rate | onsets | in common | mean difference of levels |\n|---|---|---|---|");
+  std::puts("\n## Sample rates\n\n"
+            "One minute of impacts in music at 0 dB, in stereo, against the same sound at 48 kHz: "
+            "onsets\n"
+            "that have one within 10 ms, and the mean difference of levels.\n\n"
+            "| rate | onsets | in common | mean difference of levels |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(2);
   const SyntheticSound made({ .seed = kFirstSeed, .seconds = kSeconds, .music = true });
   const auto expected

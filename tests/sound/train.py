@@ -4,8 +4,8 @@
 
 Sounds are made by sound_features, and by espeak-ng and festival, in other voices that say other words than those of the
 measurement; two voices are recordings of people. Other seeds and other voices than those choose how many scores there are, and how much each
-of them has to exceed 0. The measurement has a third set. A moment is a blow if all of a few linear scores are above 0. They are learned together: the probability of a blow is the product
-of their logistic functions, and the weights are those of greatest likelihood (L-BFGS) with a small penalty on their squares. A blow has some
+of them has to exceed 0. The measurement has a third set. A moment is an impact if all of a few linear scores are above 0. They are learned together: the probability of an impact is the product
+of their logistic functions, and the weights are those of greatest likelihood (L-BFGS) with a small penalty on their squares. An impact has some
 moments about its begin; the most probable of them stands for it, chosen again after each fit.
 
 Usage: tests/sound/train.py BUILD [--features=FOLDER]      BUILD: a build folder; FOLDER keeps the features, or has them. About 15 minutes.
@@ -20,7 +20,7 @@ import tempfile
 import numpy as np
 from scipy.optimize import minimize
 
-# More than 1: a blow that is missed is worse than a false one, and a voice that is felt worse than a note.
+# More than 1: an impact that is missed is worse than a false one, and a voice that is felt worse than a note.
 BLOWS = 3.0
 VOICES = 3.0
 PENALTY = 1e-5
@@ -86,76 +86,76 @@ def make_features(build, voices, file):
 
 
 class Moments:
-    """Those at which a blow may begin."""
+    """Those at which an impact may begin."""
 
     def __init__(self, file):
         with open(file) as lines:
             rows = list(csv.reader(lines))
         self.of_voices = np.array([row[0] == "voices" for row in rows])
-        self.blow = np.array([int(row[1]) for row in rows])
+        self.impact = np.array([int(row[1]) for row in rows])
         self.seconds = np.array([float(row[2]) for row in rows])
         self.features = np.array([row[3:] for row in rows], dtype=float)
 
     def count(self, of, weights, offsets):
-        """Blows that are found, blows, and others that are taken for one, of those moments."""
+        """Impacts that are found, impacts, and others that are taken for one, of those moments."""
         is_on = of & (self.features @ weights.T + offsets > 0).all(axis=1)
-        false = self.seconds[is_on & (self.blow == 0)]
+        false = self.seconds[is_on & (self.impact == 0)]
         apart = np.abs(np.diff(false)) > DEAD_S
-        blows = of & (self.blow > 0)
-        return len(np.unique(self.blow[is_on & blows])), len(np.unique(self.blow[blows])), int(apart.sum() + (len(false) > 0))
+        impacts = of & (self.impact > 0)
+        return len(np.unique(self.impact[is_on & impacts])), len(np.unique(self.impact[impacts])), int(apart.sum() + (len(false) > 0))
 
 
 def log_probability(weights, features):
     return -np.logaddexp(0, -features @ weights.T).sum(axis=1)
 
 
-def most_probable(weights, features, blow):
-    """One moment of each blow."""
-    moments = np.flatnonzero(blow)
-    moments = moments[np.lexsort((-log_probability(weights, features[moments]), blow[moments]))]
-    return moments[np.unique(blow[moments], return_index=True)[1]]
+def most_probable(weights, features, impact):
+    """One moment of each impact."""
+    moments = np.flatnonzero(impact)
+    moments = moments[np.lexsort((-log_probability(weights, features[moments]), impact[moments]))]
+    return moments[np.unique(impact[moments], return_index=True)[1]]
 
 
-def fit(weights, blows, others, costs):
+def fit(weights, impacts, others, costs):
     def loss(flat):
         now = flat.reshape(weights.shape)
-        of_blows = blows @ now.T
+        of_blows = impacts @ now.T
         of_others = others @ now.T
-        blow = np.exp(np.minimum(-np.logaddexp(0, -of_others).sum(axis=1), -1e-9))
+        impact = np.exp(np.minimum(-np.logaddexp(0, -of_others).sum(axis=1), -1e-9))
         penalized = np.hstack([now[:, :-1], np.zeros((len(now), 1))])
         strength = PENALTY * len(others)
-        value = BLOWS * np.logaddexp(0, -of_blows).sum() - (costs * np.log1p(-blow)).sum() + strength / 2 * (penalized**2).sum()
-        slope = -BLOWS * np.exp(-np.logaddexp(0, of_blows)).T @ blows
-        slope += ((costs * blow / (1 - blow))[:, None] * np.exp(-np.logaddexp(0, of_others))).T @ others
+        value = BLOWS * np.logaddexp(0, -of_blows).sum() - (costs * np.log1p(-impact)).sum() + strength / 2 * (penalized**2).sum()
+        slope = -BLOWS * np.exp(-np.logaddexp(0, of_blows)).T @ impacts
+        slope += ((costs * impact / (1 - impact))[:, None] * np.exp(-np.logaddexp(0, of_others))).T @ others
         return value, (slope + strength * penalized).ravel()
 
     return minimize(loss, weights.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 300}).x.reshape(weights.shape)
 
 
 def learn(scores, moments):
-    features, blow = moments.features, moments.blow
+    features, impact = moments.features, moments.impact
     mean, spread = features.mean(axis=0), features.std(axis=0) + 1e-6
     scaled = np.hstack([(features - mean) / spread, np.ones((len(features), 1))])
-    is_other = blow == 0
+    is_other = impact == 0
     costs = np.where(moments.of_voices[is_other], VOICES, 1.0)
     weights = np.random.default_rng(1).normal(0, 0.1, (scores, scaled.shape[1]))
     weights[:, -1] = 2
     for _ in range(FITS):
-        weights = fit(weights, scaled[most_probable(weights, scaled, blow)], scaled[is_other], costs)
+        weights = fit(weights, scaled[most_probable(weights, scaled, impact)], scaled[is_other], costs)
     plain = weights[:, :-1] / spread
     return plain, weights[:, -1] - plain @ mean
 
 
 def choose(learned, judges):
-    """Of those whose F1 in notes is within F1_LESS of the best, the weights that take the fewest of the voices for a blow."""
+    """Of those whose F1 in notes is within F1_LESS of the best, the weights that take the fewest of the voices for an impact."""
     found = []
     for scores in SCORES:
         weights, offsets = learn(scores, learned)
         for margin in MARGINS:
-            right, blows, false = judges.count(~judges.of_voices, weights, offsets - margin)
-            f1 = 2 * right / (right + false + blows)
-            of_blows, blows, voices = judges.count(judges.of_voices, weights, offsets - margin)
-            print(f"{scores} scores above {margin}: F1 {f1:.4f} in notes; in voices {of_blows} of {blows} blows and {voices} others", flush=True)
+            right, impacts, false = judges.count(~judges.of_voices, weights, offsets - margin)
+            f1 = 2 * right / (right + false + impacts)
+            of_blows, impacts, voices = judges.count(judges.of_voices, weights, offsets - margin)
+            print(f"{scores} scores above {margin}: F1 {f1:.4f} in notes; in voices {of_blows} of {impacts} impacts and {voices} others", flush=True)
             found.append((f1, voices, weights, offsets - margin))
     enough = max(f1 for f1, *_ in found) - F1_LESS
     f1, voices, weights, offsets = min((one for one in found if one[0] >= enough), key=lambda one: (one[1], -one[0]))

@@ -54,10 +54,10 @@ def drafts():
     follower.end()
     mpv.quit()
     # With sound, from the middle on.
-    blows = other.with_name("blows.mkv")
-    subprocess.run(f"gst-launch-1.0 -q matroskamux name=m ! filesink location={blows} filesrc location={other} ! matroskademux ! h264parse ! m. "
+    impacts = other.with_name("impacts.mkv")
+    subprocess.run(f"gst-launch-1.0 -q matroskamux name=m ! filesink location={impacts} filesrc location={other} ! matroskademux ! h264parse ! m. "
                    "tactilesoundtestsrc num-buffers=1500 ! audio/x-raw,rate=48000 ! audioconvert ! flacenc ! m.".split(), check=True)
-    mpv = Mpv(blows, "--start=20", "--loop")
+    mpv = Mpv(impacts, "--start=20", "--loop")
     follower = Follower(mpv, "--sound=film")
     follower.wait_for("is complete, and kept for the next time")
     follower.end()

@@ -32,7 +32,7 @@ def wait_until(what, is_true):
     while not is_true():
         for helper in helpers:
             assert helper.poll() is None, f"{' '.join(helper.args)} ended with status {helper.returncode} (see above); waited for {what}"
-        assert time.monotonic() < end, f"waited {LATEST} s in vain for {what}"
+        assert time.monotonic() < end, f"waited {LATEST} s in vain for {what() if callable(what) else what}"
         time.sleep(0.01)
 
 
@@ -101,7 +101,7 @@ class Follower:
         return self.log.read_text(encoding="utf-8")
 
     def wait_for(self, text):
-        wait_until(f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
+        wait_until(lambda: f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
         assert text in self.said(), self.said()
 
     def end(self, status=0):

@@ -53,7 +53,7 @@ steered() {
 sounds() {
   play --print-pipeline --sound=bass-shaker "$work/sound.mkv"
   expect_status 0
-  expect_line out 'tactilecombiner name=both mix=replace ! tactileextractor .*soundtactile name=ear gain=6 blows=true rumble=true ear\.tactile ! queue ! both\.tactile'
+  expect_line out 'tactilecombiner name=both mix=replace ! tactileextractor .*soundtactile name=ear gain=6 impacts=true rumble=true ear\.tactile ! queue ! both\.tactile'
   play --print-pipeline --sound=film "$work/silent.mkv"
   ! grep -E 'tactilecombiner|soundtactile' out || fail "there is no sound"
 }

@@ -67,17 +67,17 @@ done
 "$catalogue" --table films tracks >out || fail "$(cat out)"
 expect_line out '^0 without a track$'
 
-# Blows where nothing is to be seen: felt with the sound, at times between the blocks of 5 Hz.
-mkdir blows
+# Impacts where nothing is to be seen: felt with the sound, at times between the blocks of 5 Hz.
+mkdir impacts
 gst-launch-1.0 -q videotestsrc pattern=black num-buffers=150 ! video/x-raw,width=160,height=120,framerate=30/1 \
-  ! x264enc speed-preset=ultrafast ! matroskamux name=mux ! filesink location=blows/blows.mkv \
+  ! x264enc speed-preset=ultrafast ! matroskamux name=mux ! filesink location=impacts/impacts.mkv \
   tactilesoundtestsrc num-buffers=235 ! audioconvert ! mux.
-"$catalogue" blows tracks >out || fail "$(cat out err)"
-expect_line out '^blows\.mkv .* 0 %$'
-"$catalogue" blows tracks -- --force --sound=film >out || fail "$(cat out err)"
-expect_line out '^blows\.mkv .* [1-9][0-9]* %$'
-expect_line tracks/blows.mkv.vtt '^00:00:0[0-4]\.[0-9]*[1-9][0-9] -->|^00:00:0[0-4]\.[13579][0-9]{2} -->'
+"$catalogue" impacts tracks >out || fail "$(cat out err)"
+expect_line out '^impacts\.mkv .* 0 %$'
+"$catalogue" impacts tracks -- --force --sound=film >out || fail "$(cat out err)"
+expect_line out '^impacts\.mkv .* [1-9][0-9]* %$'
+expect_line tracks/impacts.mkv.vtt '^00:00:0[0-4]\.[0-9]*[1-9][0-9] -->|^00:00:0[0-4]\.[13579][0-9]{2} -->'
 # Only what is seen, made stronger: nothing is seen.
-"$catalogue" blows tracks -- --force --sound=dialogue-heavy >out || fail "$(cat out err)"
-expect_line out '^blows\.mkv .* 0 %$'
+"$catalogue" impacts tracks -- --force --sound=dialogue-heavy >out || fail "$(cat out err)"
+expect_line out '^impacts\.mkv .* 0 %$'
 echo "a catalogue of 5 films: passed"

@@ -25,8 +25,8 @@ heard_sound(const std::string &queue, const fusion::Profile *profile)
     return line;
   std::array<char, G_ASCII_DTOSTR_BUF_SIZE> gain{};
   g_ascii_dtostr(gain.data(), static_cast<gint>(gain.size()), profile->gain_db);
-  return line + "soundtactile name=ear gain=" + gain.data() + " blows="
-         + (profile->blows ? "true" : "false") + " rumble=" + (profile->rumble ? "true" : "false")
+  return line + "soundtactile name=ear gain=" + gain.data() + " impacts="
+         + (profile->impacts ? "true" : "false") + " rumble=" + (profile->rumble ? "true" : "false")
          + " ear.tactile ! queue ! both.tactile" + " ear.src ! " + queue + " ! audioconvert ! ";
 }
 

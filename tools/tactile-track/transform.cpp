@@ -38,14 +38,18 @@ struct TrackFile
   std::vector<std::string> ignored; ///< parts of the file that a track cannot represent
 };
 
+/// `clip` is that of a project; empty: the one that was open.
 TrackFile
-read_file(const std::string &path)
+read_file(const std::string &path, const std::string &clip = "")
 {
   auto [text, format] = or_throw(tactile::read_track_text(path));
+  if (!clip.empty() && format != tactile::TrackFormat::hasp)
+    throw UsageError("--part is for a .hasp project, '" + path + "' is none");
   std::vector<std::string> ignored;
-  Track track = or_throw(tactile::read_track(text, format, &ignored).map_error([&](auto error) {
-    return std::move(error).within("'" + path + "'");
-  }));
+  Track track
+      = or_throw(tactile::read_track(text, format, &ignored, clip).map_error([&](auto error) {
+          return std::move(error).within("'" + path + "'");
+        }));
   return { .text = std::move(text),
            .format = format,
            .track = std::move(track),
@@ -227,23 +231,29 @@ int
 convert(int argc, char **argv)
 {
   TextOption output;
+  TextOption part;
   CommonOptions common;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
                                      "The track to write; its name selects the format", "TRACK" },
+                                   { "part", 'p', 0, G_OPTION_ARG_STRING, &part.value,
+                                     "The clip of a .hasp project (default: the clip that was open "
+                                     "in Haptics Studio)",
+                                     "NAME" },
                                    {} };
-  const std::vector<std::string> tracks
-      = parse_options(argc, argv, entries, common,
-                      { .arguments = "IN -o OUT",
-                        .summary = "Converts a track to the format that OUT's name ends in: .vtt "
-                                   "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V), "
-                                   ".haptic (Meta Haptics Studio),\n.ahap (Apple) or .funscript. "
-                                   "IN may also be .tact (bHaptics). The parts that are\nlost are "
-                                   "printed.",
-                        .least = 1,
-                        .most = 1 });
+  const std::vector<std::string> tracks = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "IN -o OUT",
+        .summary
+        = "Converts a track to the format that OUT's name ends in: .vtt "
+          "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V), "
+          ".haptic (Meta Haptics Studio),\n.ahap (Apple) or .funscript. "
+          "IN may also be .hasp (a project of\nHaptics Studio) or .tact (bHaptics). The parts that "
+          "are lost are printed.",
+        .least = 1,
+        .most = 1 });
   if (!output.is_set())
     throw UsageError("expected -o OUT");
-  const TrackFile file = read_file(tracks[0]);
+  const TrackFile file = read_file(tracks[0], part.text());
   write_file(file, file.track, Time(0), output.text());
   for (const std::string &part : file.ignored)
     g_printerr("tactile-track: not read from '%s': %s\n", tracks[0].c_str(), part.c_str());

@@ -280,24 +280,27 @@ Follower::gone(const std::string &key, const std::string &why)
   update();
 }
 
+/// A player that plays comes first. A paused film is prepared, so that it is felt from its first
+/// moment on.
 void
 Follower::choose()
 {
-  const auto plays = [](const Followed &one) {
-    return !one.is_gone && one.last.doing == Doing::playing;
+  const auto is = [](const Followed &one, Doing doing) {
+    return !one.is_gone && one.last.doing == doing;
   };
-  if (current_ != nullptr && plays(*current_))
-    return;
-  for (auto &[key, followed] : players_)
-    if (plays(followed)) {
-      if (std::exchange(current_, &followed) != &followed) {
-        cues_.change_player();
-        set_delay();
-      }
-      return;
-    }
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
+  if (current_ != nullptr && is(*current_, Doing::playing))
+    return;
+  for (const Doing doing : { Doing::playing, Doing::paused })
+    for (auto &[key, followed] : players_)
+      if (is(followed, doing) && (doing == Doing::playing || current_ == nullptr)) {
+        if (std::exchange(current_, &followed) != &followed) {
+          cues_.change_player();
+          set_delay();
+        }
+        return;
+      }
 }
 
 void

@@ -156,6 +156,14 @@ JsonMembers::object(const char *name) const
   return { member(name), path_of(name), *error_ };
 }
 
+std::string
+JsonMembers::json(const char *name) const
+{
+  JsonNode *node = member(name);
+  g_autofree char *text = node ? json_to_string(node, FALSE) : nullptr;
+  return text ? text : "null";
+}
+
 std::size_t
 JsonMembers::size(const char *name) const
 {

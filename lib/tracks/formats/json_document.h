@@ -36,6 +36,8 @@ public:
   std::string text(const char *name) const;
 
   JsonMembers object(const char *name) const;
+  /// A member as a JSON text, "null" where it is missing.
+  std::string json(const char *name) const;
   std::size_t size(const char *name) const;
   JsonMembers element(const char *name, std::size_t index) const;
   std::vector<std::string> names() const;

@@ -6,6 +6,7 @@
 #include "tracks/formats/csv.h"
 #include "tracks/formats/funscript.h"
 #include "tracks/formats/haptic.h"
+#include "tracks/formats/hasp.h"
 #include "tracks/formats/hjif.h"
 #include "tracks/formats/json_document.h"
 #include "tracks/formats/mpegv_sem.h"
@@ -33,6 +34,7 @@ constexpr std::array kFormats = {
   Format{ ".hjif", TrackFormat::hjif },           Format{ ".sem.xml", TrackFormat::sem },
   Format{ ".haptic", TrackFormat::haptic },       Format{ ".ahap", TrackFormat::ahap },
   Format{ ".funscript", TrackFormat::funscript }, Format{ ".tact", TrackFormat::tact, false },
+  Format{ ".hasp", TrackFormat::hasp, false },
 };
 
 /// ".vtt, .csv or .hjif"
@@ -82,6 +84,7 @@ format_of(std::string_view text)
   const JsonMembers root = document->root(error);
   return root.has("perceptions") ? TrackFormat::hjif
          : root.has("signals")   ? TrackFormat::haptic
+         : root.has("clips")     ? TrackFormat::hasp
          : root.has("Pattern")   ? TrackFormat::ahap
          : root.has("project")   ? TrackFormat::tact
          : root.has("actions") || root.has("axes") || root.has("channels")
@@ -122,13 +125,15 @@ write_track(const Track &track, TrackFormat format, const std::string &date)
   case TrackFormat::funscript:
     return write_funscript(track);
   case TrackFormat::tact:
+  case TrackFormat::hasp:
     break;
   }
   return {};
 }
 
 tl::expected<Track, FormatError>
-read_track(std::string_view text, TrackFormat format, std::vector<std::string> *ignored)
+read_track(std::string_view text, TrackFormat format, std::vector<std::string> *ignored,
+           const std::string &clip)
 {
   std::vector<std::string> none;
   std::vector<std::string> &parts = ignored ? *ignored : none;
@@ -147,6 +152,8 @@ read_track(std::string_view text, TrackFormat format, std::vector<std::string> *
     return read_ahap(text, parts);
   case TrackFormat::funscript:
     return read_funscript(text, parts);
+  case TrackFormat::hasp:
+    return read_hasp(text, clip, parts);
   case TrackFormat::tact:
     return read_tact(text, parts);
   }

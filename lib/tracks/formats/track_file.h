@@ -19,6 +19,7 @@ enum class TrackFormat
   hjif,      ///< .hjif
   sem,       ///< .sem.xml
   haptic,    ///< .haptic
+  hasp,      ///< .hasp, read-only: the clip that was open
   ahap,      ///< .ahap
   funscript, ///< .funscript
   tact,      ///< .tact, read-only
@@ -45,9 +46,11 @@ tl::expected<TrackFormat, FormatError> written_format(std::string_view name);
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
 
 /// Converts the content of a file to a track. `ignored`, if any, gets the parts that a track cannot
-/// represent, as nouns such as "the frequencies".
+/// represent, as nouns such as "the frequencies". `clip` names a clip of a .hasp project; if it is
+/// empty, the clip that was open is read.
 tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format,
-                                            std::vector<std::string> *ignored = nullptr);
+                                            std::vector<std::string> *ignored = nullptr,
+                                            const std::string &clip = {});
 
 /// The text of a track's file, in UTF-8 where it is UTF-16 (but for XML, which says what it is).
 struct TrackText

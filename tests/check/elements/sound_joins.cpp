@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Picture and sound of a film in playbin and playbin3: a ball that hits the ground with a blow is
-// one cue. No test depends on the machine's speed: a map waits until the sound of its time has been
-// heard, and the clock does not go on while the machine holds all up.
+// Picture and sound of a film in playbin and playbin3: a ball that hits the ground with an impact
+// is one cue. No test depends on the machine's speed: a map waits until the sound of its time has
+// been heard, and the clock does not go on while the machine holds all up.
 #include "sound/synthetic_sound.h"
 #include "tactile/synthetic_film.h"
 
@@ -55,9 +55,9 @@ the_hit()
   ck_abort_msg("the film has no ball");
 }
 
-/// The blow of a hit: 1.5 s of sound.
+/// The impact of a hit: 1.5 s of sound.
 std::vector<float>
-blow()
+impact()
 {
   const sound::SyntheticSound made({ .seed = 5, .seconds = 3, .panned = false });
   const auto begin = made.events().front().begin;
@@ -69,12 +69,12 @@ blow()
   return frames;
 }
 
-/// Samples of a sound with a blow at this time; without one, silence.
+/// Samples of a sound with an impact at this time; without one, silence.
 std::vector<gint16>
 track_of(std::optional<double> at, double length)
 {
   std::vector<gint16> samples(static_cast<std::size_t>(length * kRate) * 2);
-  const std::vector<float> one = blow();
+  const std::vector<float> one = impact();
   for (std::size_t i = 0; at && i < one.size(); i++) {
     const std::size_t sample = (static_cast<std::size_t>(*at * kRate) + i) * 2;
     if (sample + 1 < samples.size())
@@ -84,7 +84,7 @@ track_of(std::optional<double> at, double length)
   return samples;
 }
 
-/// A film whose ball comes with a blow that is so much later than its picture, an audio track each.
+/// A film whose ball comes with an impact that is so much later than its picture, a track each.
 void
 make_film(const std::string &path, const std::vector<std::optional<double>> &later,
           double length = kLength)
@@ -311,11 +311,11 @@ assert_one_cue(const std::vector<IssuedCommand> &lines, double at)
                 cell, at);
     in_time = in_time || (line.command.volts > 0 && std::abs(effect(line) - at) <= kSame);
   }
-  fail_unless(in_time, "nothing is felt of the blow at %g s", at);
+  fail_unless(in_time, "nothing is felt of the impact at %g s", at);
   ck_assert_int_eq(begins, 1);
 }
 
-/// Nothing is felt of a blow before its picture, which is seen `at`.
+/// Nothing is felt of an impact before its picture, which is seen `at`.
 void
 assert_picture_only(const std::vector<IssuedCommand> &lines, double at)
 {
@@ -348,7 +348,7 @@ GST_START_TEST(test_one_cue_of_a_decoder)
 }
 GST_END_TEST;
 
-// In a gapless play each film has its own blows. playbin of GStreamer 1.22 does not get over the
+// In a gapless play each film has its own impacts. playbin of GStreamer 1.22 does not get over the
 // end of this film, with no element of this project either.
 GST_START_TEST(test_gapless)
 {
@@ -387,7 +387,7 @@ GST_START_TEST(test_volume_and_mute)
 }
 GST_END_TEST;
 
-// After seeks, at other rates: the running time of the blow is the picture's.
+// After seeks, at other rates: the running time of the impact is the picture's.
 GST_START_TEST(test_seeks)
 {
   const TemporaryFile film("", ".mkv");
@@ -428,7 +428,7 @@ switch_track(Player &player, const char *playbin)
   g_list_free(wanted);
 }
 
-/// Switches to the film's second audio track, once the first one's blow is known, and seeks.
+/// Switches to the film's second audio track, once the first one's impact is known, and seeks.
 /* playbin of GStreamer 1.22 hangs at the seek if the first track waits in a pause, or for the ends
  * of the others; so the film plays, and is longer than what its queues hold. decodebin3 ends some
  * such seeks, one of 450, with an error of its queue (not-negotiated or flushing). Both do so with
@@ -450,7 +450,7 @@ switch_and_seek(Player &player, const char *playbin)
 }
 
 // After a switch to another audio track and the seek by which players make it heard at once, its
-// blows are felt, and those of the other are not.
+// impacts are felt, and those of the other are not.
 GST_START_TEST(test_track_switch)
 {
   for (const bool joins : { true, false }) {
@@ -518,7 +518,7 @@ make_gap(GstPad *pad, GstPadProbeInfo *info, gpointer user_data)
   return GST_PAD_PROBE_OK;
 }
 
-// A blow right before a gap of the sound is felt: the gap ends what the analysis waits for.
+// An impact right before a gap of the sound is felt: the gap ends what the analysis waits for.
 GST_START_TEST(test_gap_of_sound)
 {
   const TemporaryFile film("", ".mkv");
@@ -533,7 +533,7 @@ GST_START_TEST(test_gap_of_sound)
 }
 GST_END_TEST;
 
-// Sound that is off is not felt: the picture has the blocks of its rate, none at the blow.
+// Sound that is off is not felt: the picture has the blocks of its rate, none at the impact.
 GST_START_TEST(test_off)
 {
   const TemporaryFile film("", ".mkv");

@@ -51,9 +51,9 @@ public:
   GstHarness *tactile;
 };
 
-/// One blow in the left, at `at`.
+/// One impact in the left, at `at`.
 std::vector<float>
-blow(const std::vector<sound::Speaker> &speakers, double seconds, double *at)
+impact(const std::vector<sound::Speaker> &speakers, double seconds, double *at)
 {
   for (std::uint64_t seed = 1;; seed++) {
     const sound::SyntheticSound made({ .seed = seed, .seconds = 3 });
@@ -164,12 +164,12 @@ GST_START_TEST(test_audio_and_maps)
 }
 GST_END_TEST;
 
-// A blow in the left is felt in the left column, at its time, whatever the format.
-GST_START_TEST(test_blow)
+// An impact in the left is felt in the left column, at its time, whatever the format.
+GST_START_TEST(test_impact)
 {
   const auto speakers = sound::usual_speakers(2);
   double at = 0;
-  const std::vector<float> frames = blow(speakers, 3, &at);
+  const std::vector<float> frames = impact(speakers, 3, &at);
   for (const char *format : { "F32LE", "S16LE", "S24LE", "F64BE", "U8" }) {
     Sound sound(nullptr);
     const std::string caps = std::string("audio/x-raw,layout=interleaved,rate=48000,channels=2,"
@@ -213,7 +213,7 @@ GST_END_TEST;
 GST_START_TEST(test_marked_maps)
 {
   double at = 0;
-  const std::vector<float> frames = blow(sound::usual_speakers(2), 3, &at);
+  const std::vector<float> frames = impact(sound::usual_speakers(2), 3, &at);
   Sound sound;
   fail_unless_equals_int(gst_harness_push(sound.audio, buffer(frames.data(), frames.size(), 0)),
                          GST_FLOW_OK);
@@ -230,7 +230,7 @@ GST_START_TEST(test_marked_maps)
     g_free(levels);
     gst_buffer_unref(map);
   }
-  ck_assert_uint_ge(marked, 7); // a blow is felt for 60 ms at least
+  ck_assert_uint_ge(marked, 7); // an impact is felt for 60 ms at least
 }
 GST_END_TEST;
 
@@ -239,7 +239,7 @@ GST_START_TEST(test_planes)
 {
   const auto speakers = sound::usual_speakers(2);
   double at = 0;
-  const std::vector<float> frames = blow(speakers, 3, &at);
+  const std::vector<float> frames = impact(speakers, 3, &at);
   Sound sound("audio/x-raw,format=F32LE,layout=non-interleaved,rate=48000,channels=2,"
               "channel-mask=(bitmask)3");
   const gsize count = frames.size() / 2;
@@ -457,14 +457,33 @@ GST_START_TEST(test_maps_per_second)
 }
 GST_END_TEST;
 
+// `blows` is the former name of `impacts`, and deprecated.
+GST_START_TEST(test_former_name)
+{
+  GstElement *element = gst_element_factory_make("soundtactile", nullptr);
+  const GParamSpec *former = g_object_class_find_property(G_OBJECT_GET_CLASS(element), "blows");
+  fail_unless(former && (former->flags & G_PARAM_DEPRECATED));
+  g_object_set(element, "blows", FALSE, nullptr);
+  gboolean impacts = TRUE;
+  g_object_get(element, "impacts", &impacts, nullptr);
+  fail_if(impacts);
+  g_object_set(element, "impacts", TRUE, nullptr);
+  gboolean blows = FALSE;
+  g_object_get(element, "blows", &blows, nullptr);
+  fail_unless(blows);
+  gst_object_unref(element);
+}
+GST_END_TEST;
+
 static Suite *
 soundtactile_suite(void)
 {
   Suite *suite = suite_create("soundtactile");
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_former_name);
   tcase_add_test(tc, test_audio_and_maps);
-  tcase_add_test(tc, test_blow);
+  tcase_add_test(tc, test_impact);
   tcase_add_test(tc, test_marked_maps);
   tcase_add_test(tc, test_planes);
   tcase_add_test(tc, test_flush);

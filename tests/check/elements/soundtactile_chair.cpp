@@ -17,7 +17,7 @@
 
 #include "support/playing.h"
 
-// A chair gets each blow at its time and place, and is at zero in the end.
+// A chair gets each impact at its time and place, and is at zero in the end.
 GST_START_TEST(test_chair)
 {
   gchar *folder = g_dir_make_tmp("soundtactile-XXXXXX", nullptr);
@@ -37,7 +37,7 @@ GST_START_TEST(test_chair)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 
-  const sound::SoundEvent blow = sound::SyntheticSound({}).events().front();
+  const sound::SoundEvent impact = sound::SyntheticSound({}).events().front();
   std::ifstream file(trace);
   std::string line;
   std::getline(file, line);
@@ -57,8 +57,8 @@ GST_START_TEST(test_chair)
     if (!is_first)
       continue;
     is_first = false;
-    fail_unless(std::abs(effect - blow.begin.count()) <= 20'000'000);
-    fail_unless(tactor % 3 == static_cast<unsigned>(blow.across + 1));
+    fail_unless(std::abs(effect - impact.begin.count()) <= 20'000'000);
+    fail_unless(tactor % 3 == static_cast<unsigned>(impact.across + 1));
   }
   fail_if(is_first);
   for (const double level : volts)
@@ -69,7 +69,7 @@ GST_START_TEST(test_chair)
 }
 GST_END_TEST;
 
-// Of two in one pipeline none speaks for the other: the silence of one leaves the blows of another.
+// Of two in one pipeline none speaks for the other: one is silent, the other has its impacts.
 GST_START_TEST(test_two_sounds)
 {
   GstElement *pipeline = make_pipeline(
@@ -80,10 +80,10 @@ GST_START_TEST(test_two_sounds)
   maps->want(&reader, fusion::find_profile("film"));
   change_state(pipeline, GST_STATE_PLAYING);
   wait_for_eos(pipeline);
-  const sound::SoundEvent blow = sound::SyntheticSound({}).events().front();
+  const sound::SoundEvent impact = sound::SyntheticSound({}).events().front();
   const auto is_felt = [&] {
     const auto at = std::chrono::milliseconds(20);
-    return !maps->between(blow.begin - at, blow.begin + at).empty();
+    return !maps->between(impact.begin - at, impact.begin + at).empty();
   };
   fail_unless(is_felt());
   g_autoptr(GstElement) silent = gst_bin_get_by_name(GST_BIN(pipeline), "silent");

@@ -71,7 +71,7 @@ GST_START_TEST(test_seek)
 }
 GST_END_TEST;
 
-// Each sound is told once, when it begins; before a blow there is silence.
+// Each sound is told once, when it begins; before an impact there is silence.
 GST_START_TEST(test_truth)
 {
   GstElement *pipeline

@@ -163,7 +163,7 @@ GST_END_TEST;
 /// What tactile-track refuses is not drawn, and warned of once.
 GST_START_TEST(test_fault)
 {
-  for (const char *fault : { "1 101", "1 2 3\n4", "1 O", "2nd blow", "1,2" }) {
+  for (const char *fault : { "1 101", "1 2 3\n4", "1 O", "2nd impact", "1,2" }) {
     Subtitles s;
     g_autoptr(GstBus) bus = s.bus();
     s.push_cue("1 2", 0, 40);

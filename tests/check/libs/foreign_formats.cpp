@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Formats of other tools with one actuator or a vest: .haptic, AHAP, funscript and .tact.
+// Formats of other tools with one actuator or a vest: .haptic, .hasp, AHAP, funscript and .tact.
 #include "tracks/formats/ahap.h"
 #include "tracks/formats/funscript.h"
 #include "tracks/formats/haptic.h"
+#include "tracks/formats/hasp.h"
 #include "tracks/formats/tact.h"
 #include "tracks/formats/track_file.h"
 
@@ -169,6 +170,55 @@ GST_START_TEST(test_haptic)
   complains(haptic(R"({"time":1e9,"amplitude":1})"), "signals.continuous.envelopes.amplitude[0]",
             "100 hours");
   complains(R"({"version":{"major":2},"signals":{}})", "version", "version 1");
+}
+GST_END_TEST;
+
+/// A project that was last open at the clip "b".
+std::string
+hasp(const std::string &clips)
+{
+  return R"({"version":{"major":2},"state":{"clipId":"b"},"clips":[)" + clips + "]}";
+}
+
+std::string
+hasp_clip(const char *id, const char *name, const char *amplitude)
+{
+  const std::string level = amplitude;
+  return std::string(R"({"clipId":")") + id + R"(","name":")" + name + R"(","haptic":)"
+         + haptic(R"({"time":0,"amplitude":)" + level + R"(},{"time":1,"amplitude":)" + level + "}")
+         + "}";
+}
+
+GST_START_TEST(test_hasp)
+{
+  const std::string kick = hasp_clip("a", "kick", "0.25");
+  const std::string hum = hasp_clip("b", "hum", "0.75");
+  Ignored ignored;
+  const Track open_clip = read(hasp(kick + "," + hum), TrackFormat::hasp, &ignored);
+  ASSERT_LEVEL(open_clip, 500ms, 0.75);
+  fail_unless(open_clip.end() == 1s && ignored == Ignored{ "the clip 'kick'" });
+  ASSERT_LEVEL(read(hasp(kick), TrackFormat::hasp), 500ms, 0.25); // the clip that was open is gone
+  ASSERT_LEVEL(read("{\"clips\":[" + hum + "," + kick + "]}", TrackFormat::hasp), 500ms, 0.75);
+
+  ignored.clear();
+  const auto named = read_hasp(hasp(hum + "," + kick + "," + hum), "kick", ignored);
+  fail_unless(named.has_value());
+  ASSERT_LEVEL(*named, 500ms, 0.25);
+  fail_unless(ignored == Ignored{ "the clips 'hum', 'hum'" });
+
+  const auto first = read_hasp(hasp(hum + "," + hasp_clip("c", "hum", "0.5")), "hum", ignored);
+  fail_unless(first.has_value());
+  ASSERT_LEVEL(*first, 500ms, 0.75);
+
+  ASSERT_COMPLAINT(read_hasp(hasp(hum + "," + kick), "snare", ignored), "document",
+                   "expected a clip 'snare', got 'hum', 'kick'");
+  const auto complains = [](const std::string &text, const char *place, const char *words) {
+    ASSERT_COMPLAINT(read_track(text, TrackFormat::hasp), place, words);
+  };
+  complains(hasp(""), "document", "expected a clip");
+  complains(hasp(R"({"clipId":"a"})"), "clips[0]", "'name'");
+  complains(hasp(R"({"clipId":"a","name":"kick"})"), "clip 'kick'", "expected an object");
+  complains(hasp(hasp_clip("a", "kick", "2")), "clip 'kick'", "from 0 to 1");
 }
 GST_END_TEST;
 
@@ -345,6 +395,7 @@ GST_START_TEST(test_formats_by_content)
          TrackFormat::haptic, TrackFormat::ahap, TrackFormat::funscript })
     fail_unless(found(write_track(track, format, "")) == format, "%d", static_cast<int>(format));
   fail_unless(found(tact(dots(""))) == TrackFormat::tact);
+  fail_unless(found(hasp(hasp_clip("a", "kick", "1"))) == TrackFormat::hasp);
   fail_unless(found("\xEF\xBB\xBF" + haptic(R"({"time":0,"amplitude":1})")) == TrackFormat::haptic);
   for (const char *text : { "", "{}", "[]", "hello" }) {
     const TemporaryFile named(text);
@@ -365,6 +416,7 @@ foreign_formats_suite(void)
   tcase_add_test(tests, test_what_is_written_is_read);
   tcase_add_test(tests, test_texts);
   tcase_add_test(tests, test_haptic);
+  tcase_add_test(tests, test_hasp);
   tcase_add_test(tests, test_ahap);
   tcase_add_test(tests, test_funscript);
   tcase_add_test(tests, test_tact_dots);

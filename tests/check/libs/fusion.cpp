@@ -47,7 +47,7 @@ GST_START_TEST(test_mixes)
 }
 GST_END_TEST;
 
-// A blow is felt where its picture was up to 250 ms before, or will be.
+// An impact is felt where its picture was up to 250 ms before, or will be.
 GST_START_TEST(test_one_place)
 {
   const TactileMap none = map_of({ 0, 0 });

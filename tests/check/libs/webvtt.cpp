@@ -111,7 +111,7 @@ GST_START_TEST(test_remarks)
 {
   const std::string head = "WEBVTT\n\nNOTE tactile grid=1x2\n\n";
   const std::string cue = "00:01.000 --> 00:02.000\n0 75\n\n";
-  const std::string remark = "00:00.500 --> 00:09.000\nwhat a <i>blow</i>...\n\n";
+  const std::string remark = "00:00.500 --> 00:09.000\nwhat a <i>impact</i>...\n\n";
   for (const std::string &text : { remark + cue, cue + remark, cue + remark + remark })
     fail_unless(read_webvtt(head + text) == *read_webvtt(head + cue), "%s", text.c_str());
 }

@@ -41,7 +41,7 @@ const std::string kNotes = "WEBVTT - by Anna\n"
                            "50% 0 0\n"
                            "\n"
                            "00:00:02.100 --> 00:00:03.000\n"
-                           "what a blow!\n"
+                           "what an impact!\n"
                            "\n"
                            "NOTE the end";
 
@@ -109,7 +109,7 @@ GST_START_TEST(test_shift_before_the_beginning)
   for (const char *left :
        { "by Anna", "by=hand", "the storm", "::cue", "NOTE review: accepted\n", "REGION\nid:a\n",
          "00:00:00.000 --> 00:00:00.200\n0 0 0 0 0 0\n50% 0 0\n",
-         "00:00:00.000 --> 00:00:00.800\nwhat a blow!\n", "NOTE the end" })
+         "00:00:00.000 --> 00:00:00.800\nwhat an impact!\n", "NOTE the end" })
     fail_unless(moved.find(left) != std::string::npos, "no %s in %s", left, moved.c_str());
 }
 GST_END_TEST;
@@ -149,8 +149,9 @@ GST_START_TEST(test_other_grid)
   const Track track = *resample(*read_webvtt(kNotes), 2, 1);
   const std::string text = text_of(kNotes).with(track, 0s);
   fail_unless(read_webvtt(text) == at_resolution(track, kTextTick, kTextSteps), "%s", text.c_str());
-  for (const char *left : { "NOTE tactile grid=2x1 rate=5 by=hand\n", "thunder 1\n", "  line:0 \n",
-                            "NOTE review: accepted", "::cue", "id:a", "what a blow!", "the end" })
+  for (const char *left :
+       { "NOTE tactile grid=2x1 rate=5 by=hand\n", "thunder 1\n", "  line:0 \n",
+         "NOTE review: accepted", "::cue", "id:a", "what an impact!", "the end" })
     fail_unless(text.find(left) != std::string::npos, "no %s in %s", left, text.c_str());
 }
 GST_END_TEST;

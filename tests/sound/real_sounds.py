@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Real sounds of Debian packages, and mixes of them as a film has them.
+
+real_sounds.csv names them, by package and file; their classes were chosen by file name, unheard. No package is in two of the sets:
+one is learned from, one chooses thresholds, one is measured only."""
+
+import csv
+import fnmatch
+import pathlib
+import subprocess
+import zipfile
+
+import numpy as np
+
+RATE = 16000
+IMPACTS = ("explosion", "impact", "gun", "footstep")
+MUSIC_S = 24  # of each piece
+
+here = pathlib.Path(__file__).resolve().parent
+
+
+def fetch(package, cache):
+    """Unpacks a package; nothing of it is kept elsewhere."""
+    folder = cache / "x" / package
+    if not folder.exists():
+        (cache / "deb").mkdir(parents=True, exist_ok=True)
+        subprocess.run(["apt-get", "download", "-q", package], cwd=cache / "deb", check=True)
+        folder.mkdir(parents=True)
+        subprocess.run(["dpkg", "-x", next((cache / "deb").glob(f"{package}_*.deb")), folder], check=True)
+        for archive in folder.rglob("*.pk3"):
+            zipfile.ZipFile(archive).extractall(archive.parent)
+    return folder
+
+
+def decoded(file, cache, begin=0, seconds=10):
+    """Mono samples at RATE."""
+    kept = cache / "pcm" / (str(file.relative_to(cache)).replace("/", "+") + ".npy")
+    if not kept.exists():
+        kept.parent.mkdir(exist_ok=True)
+        raw = subprocess.run(["ffmpeg", "-v", "quiet", "-ss", str(begin), "-t", str(seconds), "-i", file, "-ac", "1", "-ar", str(RATE), "-f", "f32le", "-"],
+                             stdout=subprocess.PIPE)
+        np.save(kept, np.frombuffer(raw.stdout, "<f4"))
+    return np.load(kept)[: seconds * RATE]
+
+
+class Sound:
+    def __init__(self, samples, name):
+        peak = np.abs(samples).max()
+        self.name = name
+        self.samples = (samples / peak).astype(np.float32)
+
+
+def sounds(name, cache):
+    """{class: [Sound]} of a set: learn, choose or measure."""
+    result = {}
+    for row in csv.DictReader(open(here / "real_sounds.csv")):
+        if row["set"] != name:
+            continue
+        folder = fetch(row["package"], cache)
+        files = sorted(f for f in folder.rglob("*") if f.suffix in (".wav", ".ogg", ".mp3", ".wv") and f.is_file())
+        patterns = [p if "/" in p else "*/" + p for p in row["files"].split()]
+        of = result.setdefault(row["class"], [])
+        for file in files:
+            if not any(fnmatch.fnmatchcase(str(file.with_suffix("")), p) for p in patterns):
+                continue
+            music = row["class"] == "music"
+            samples = decoded(file, cache, 8 if music else 0, MUSIC_S if music else 10)
+            if len(samples) > RATE // 20 and np.abs(samples).max() > 1e-4:
+                of.append(Sound(samples, f"{row['package']}/{file.name}"))
+    return result
+
+
+def onset_of(samples):
+    """Where the first 5 ms are that are within 15 dB of the loudest, s."""
+    hop = RATE // 200
+    power = (samples[: len(samples) // hop * hop].reshape(-1, hop) ** 2).mean(axis=1)
+    return int(np.argmax(power > power.max() * 10**-1.5)) * hop
+
+
+def faster(samples, speed):
+    at = np.arange(0, len(samples) - 1, speed)
+    return np.interp(at, np.arange(len(samples)), samples).astype(np.float32)
+
+
+def bed_of(kind, of, seconds, rng):
+    """Sound that goes on for so long, at −20 dB: music, speech, both or none."""
+    n = int(seconds * RATE)
+    if kind == "silence":
+        return np.zeros(n, np.float32)
+    if kind == "both":
+        return bed_of("music", of, seconds, rng) * 10 ** (-rng.uniform(3, 14) / 20) + bed_of("speech", of, seconds, rng)
+    parts, length = [], 0
+    while length < n:
+        sound = of[kind][rng.integers(len(of[kind]))]
+        samples = faster(sound.samples, rng.uniform(0.8, 1.25)) if kind != "speech" else sound.samples
+        if kind == "music" and len(samples) > n:
+            begin = rng.integers(len(samples) - n)
+            samples = samples[begin : begin + n]
+        samples = samples * 0.1 / (np.sqrt((samples**2).mean()) + 1e-9)
+        parts += [samples] if kind == "music" else [samples, np.zeros(int(rng.uniform(0.05, 1) * RATE))]
+        length += sum(map(len, parts[-2:])) if kind != "music" else len(parts[-1])
+    return np.concatenate(parts)[:n].astype(np.float32)
+
+
+def prepared(samples):
+    """At most 3 s."""
+    samples = samples[: 3 * RATE].copy()
+    fade = min(len(samples), RATE // 20)
+    samples[-fade:] *= np.linspace(1, 0, fade)
+    return samples
+
+
+def mixed(bed, effects, ratio, rng, apart=(0.8, 2.6)):
+    """Adds effects to a bed, whose level is −20 dB in silence, too. Also the seconds of their onsets."""
+    out = bed.copy()
+    own = np.sqrt((bed**2).mean()) if bed.any() else 0.1
+    truth = []
+    at = rng.uniform(0.6, apart[1])
+    queue = []
+    while at < len(bed) / RATE - 0.5:
+        if not queue:
+            queue = list(rng.permutation(len(effects)))
+        sound = effects[queue.pop()]
+        samples = prepared(sound.samples)
+        onset = onset_of(samples)
+        first = samples[onset : onset + RATE // 10]
+        samples = samples * own * 10 ** (ratio / 20) / (np.sqrt((first**2).mean()) + 1e-9)
+        begin = int(at * RATE) - onset
+        part = samples[max(0, -begin) :][: len(bed) - max(0, begin)]
+        out[max(0, begin) : max(0, begin) + len(part)] += part
+        truth.append(at)
+        at += rng.uniform(*apart)
+    return out, truth
