@@ -10,13 +10,13 @@ BlockGrid::restart()
 }
 
 bool
-BlockGrid::begins(Time time, Time duration, double rate)
+BlockGrid::begins(Time time, Time duration, double rate, bool stronger)
 {
   if (time >= carried_from_ && time < carried_until_)
     return false;
   if (rate <= 0)
     return true;
-  if (!start_ || time < *start_) {
+  if (!start_ || time < *start_ || stronger) {
     start_ = time;
     next_ = 1;
     return true;

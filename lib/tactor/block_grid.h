@@ -12,8 +12,9 @@ namespace tactor {
 ///
 /// A block begins with the first map of which more than half lies beyond the block's start on a
 /// regular grid. The grid begins with the first map, and anew where time goes back or a whole block
-/// passed without a map. No block begins while the line carries the last one: a chair that is large
-/// for its line gets fewer blocks, not late ones.
+/// passed without a map. It also begins anew, ahead of its time, with a map that is `stronger` than
+/// the block. No block begins while the line carries the last one: a chair that is large for its
+/// line gets fewer blocks, not late ones.
 class BlockGrid
 {
 public:
@@ -22,7 +23,7 @@ public:
 
   /// Whether a block begins with the map of [time, time + duration). `rate` in blocks per second;
   /// 0: every map is a block.
-  bool begins(Time time, Time duration, double rate);
+  bool begins(Time time, Time duration, double rate, bool stronger = false);
 
   /// The line takes `length` for the block that began at `time`.
   void carry(Time time, Time length);

@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, playback, sound, sound-clips, sound-real, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 1, 8, 3, 2, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | desk | devices | drafts | follow | playback | sound | sound-clips | synth | timing | ways-out) page=$1 ;;
+  calibration | desk | devices | drafts | follow | playback | sound | sound-clips | sound-real | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
@@ -20,8 +20,9 @@ case $page in
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
-  sound) targets="tests/sound/sound_quality tests/sound/sound_real" ;;
+  sound) targets=tests/sound/sound_quality ;;
   sound-clips) targets=tools/tactile-track ;;
+  sound-real) targets=tests/sound/sound_real ;;
   synth) targets=tests/bench/synth ;;
   timing) targets=tests/quality/rise_timing ;;
   ways-out) targets="tests/usb/usb-ways_out tests/usb/bare_player tools/tactor-guardian" ;;
@@ -276,28 +277,28 @@ saliencytactile.\n\n'
     sound)
       head_of "Sound"
       cat <<'CAPTION'
-What soundtactile makes of real sounds, and of synthetic ones with ground truth: impacts of 40 to 110 Hz with a crack of noise, at
+What soundtactile makes of sounds with ground truth: impacts of 40 to 110 Hz with a crack of noise, at
 constant power in one place, rumble, and voices. No sound is one from which the detector's weights
-were [learned or chosen](../design/sound.md#impacts). [Sound of two films](sound-clips.md) is
-what it makes of films.
+were [learned or chosen](../design/sound.md#impacts). The sounds are synthetic; [real sounds](sound-real.md) and
+[the sound of two films](sound-clips.md) are others.
 
-## Real sounds
-
-The detector learned synthetic impacts only. This is what it makes of 21 explosions, impacts and shots of a game
-(Debian's scorched3d-data), chosen by file name, unheard. The mixes have about 140 of them each, alone, over that game's
-music and over people's voices, at 16 kHz, mono, with their peak at −3 dB of full scale. The ratio is of an effect's
-first 100 ms to the rest. In the first table are F1 within 50 ms of the first 5 ms within 15 dB of the
-loudest, and onsets a minute where no impact is. aubio and the envelope (10 ms louder than the 100 ms before)
-have in each column the best of their settings, as judged there. In the second are sounds of four minutes,
-and single effects, also weaker: how many begin to be felt within 50 ms, the strongest level, and how much of the time
-something is felt.
+CAPTION
+      "$root/tests/sound/speech.sh" "$work"
+      "$built/tests/sound/sound_quality" "$work"/*.wav
+      ;;
+    sound-real)
+      head_of "Real sounds"
+      cat <<'CAPTION'
+The detector learned synthetic impacts only. This is what it makes of explosions, impacts, shots and footsteps of three
+games (Debian's scorched3d-data, teeworlds-data and hedgewars-data), chosen by file name, unheard. The mixes have about 120 of them each, alone, over those games'
+music, most of it with drums, and over people's voices, at 16 kHz, mono, with their peak at −3 dB of full scale.
+The ratio is of an effect's first 100 ms to the rest. In the first table are F1 within 50 ms of the first 5 ms
+within 15 dB of the loudest, and onsets a minute where no impact is. aubio and the envelope (10 ms louder than the
+100 ms before) have in each column the best of their settings, as judged there.
 
 CAPTION
       "$root/tests/sound/real_mixes.py" "${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile-sounds" "$work/mixes" >&2
       "$built/tests/sound/sound_real" "$work/mixes"
-      echo
-      "$root/tests/sound/speech.sh" "$work"
-      "$built/tests/sound/sound_quality" "$work"/*.wav
       ;;
     sound-clips)
       head_of "Sound of two films"

@@ -59,7 +59,7 @@ sounds() {
 }
 
 built_in_film() {
-  play --print-pipeline
+  play --print-pipeline -o .
   expect_status 0
   expect_line out '^gst-launch-1.0 .*tactiletestsrc'
   # Only its first frames.

@@ -70,7 +70,7 @@ names() {
 
 # A file URI, all options, and the working directory as the output folder.
 options() {
-  play --quiet --no-window --profile paper --rows 64 --columns 1 --rate 0 --compensation frame-block "file://$work/one.mkv"
+  play -o . --quiet --no-window --profile paper --rows 64 --columns 1 --rate 0 --compensation frame-block "file://$work/one.mkv"
   expect_status 0
   [ ! -s err ] || fail "$(cat err)"
   expect_only . visuotactile.mkv commands.csv strip.png out err
@@ -85,14 +85,25 @@ closed_output() {
   expect_recording o/visuotactile.mkv 0.95 1.1
 }
 
-# The output folder is created, its files are replaced, and other files stay.
+# With --force, files are replaced, and other files stay.
 replaces() {
   mkdir -p a/b
   echo old | tee a/b/visuotactile.mkv a/b/commands.csv a/b/strip.png >a/b/else
-  play -o a/b "$work/one.mkv"
+  play -f -o a/b "$work/one.mkv"
   [ "$(cat a/b/else)" = old ] || fail "something else was changed"
   rm a/b/else
   expect_all a/b 0.03 0.04
+}
+
+# Without --output nothing is written.
+writes_nothing() {
+  play "$work/sound.mkv"
+  expect_status 0
+  expect_line err '^Playing '
+  expect_line out '^Played +1\.0 s of 1\.0 s$'
+  expect_line out '^Commands +[1-9][0-9]* issued'
+  ! grep -E '^(Written|Recording)' out || fail "nothing was to be written"
+  expect_only . out err
 }
 
 film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
@@ -123,4 +134,5 @@ start names names
 start options options
 start closed_output closed_output
 start replaces replaces
+start writes_nothing writes_nothing
 finish

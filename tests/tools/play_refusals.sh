@@ -28,7 +28,7 @@ refuses() {
 }
 
 refuses_film() {
-  refuses 1 "$1" -o o "$2"
+  refuses 1 "$1" -f -o o "$2"
 }
 
 folder_in_the_way() {
@@ -58,13 +58,25 @@ unreadable() {
   refuses 1 "cannot write to the folder 'locked'" -o locked "$work/film.mkv"
 }
 
+# Files of an earlier run stay.
+exists() {
+  local name
+  for name in "${names[@]}"; do
+    mkdir "$name"
+    echo old >"$name/$name"
+    refuses 1 "'$name/$name' exists; expected a folder without it, or --force" -o "$name" "$work/film.mkv"
+    expect_only "$name" "$name"
+    [ "$(cat "$name/$name")" = old ] || fail "$name was changed"
+  done
+}
+
 # Like a full disk: no file may grow beyond a kilobyte.
 disk_full() {
   trap '' XFSZ
   mkdir o
   echo kept >o/visuotactile.mkv
   status=0
-  (ulimit -f 1 && exec timeout 30 "$PLAY" -q -o o "$work/film.mkv" 2>&1 >/dev/null) | cat >err || status=${PIPESTATUS[0]}
+  (ulimit -f 1 && exec timeout 30 "$PLAY" -f -q -o o "$work/film.mkv" 2>&1 >/dev/null) | cat >err || status=${PIPESTATUS[0]}
   expect_status 1
   expect_line err '^visuotactile-play: cannot write the recording: '
   expect_only o visuotactile.mkv
@@ -107,6 +119,7 @@ start output_empty refuses 1 "folder ''" -o "" "$work/film.mkv"
 start folder_in_the_way folder_in_the_way
 start would_overwrite_itself would_overwrite_itself
 start disk_full disk_full
+start exists exists
 
 start unknown_option refuses 2 "--nonsense.*--help" -o o --nonsense
 start two_films refuses 2 "one film.*--help" -o o "$work/film.mkv" "$work/film.mkv"

@@ -78,7 +78,7 @@ killed() {
   for name in visuotactile.mkv commands.csv strip.png; do
     echo "kept $name" >"o/$name"
   done
-  begin
+  begin -f
   until_true 'nothing was recorded' recorded
   kill -KILL "$pid"
   await 60

@@ -28,26 +28,57 @@ shown() {
   expect_strip o/strip.png
 }
 
-# Keys in the window steer.
-steered() {
+# press WIDTH KEY ...: in the window of a film that is as wide, when it is there
+press() {
   (
     for ((i = 0; i < 40; i++)); do
       grep -q '^Playing ' err 2>/dev/null && break
       sleep 0.1
     done
-    "$PYTHON" "$here/press_keys.py" 177 Up Up Down Left Right x >pressed 2>&1
+    "$PYTHON" "$here/press_keys.py" "$@" >pressed 2>&1
   ) &
-  play -o o "$work/long.mkv"
+  play "$work/long$1.mkv"
   wait
   expect_status 0
   [ ! -s pressed ] || fail "$(cat pressed)"
-  grep '^Sensitivity' err >got || true
-  [ "$(cat got)" = "Sensitivity 1.41, density 100 % (off)
+  grep -E '^(Sensitivity|Intensity|Vibration|Paused|Playing from|[0-9:]+ of )' err >got || true
+}
+
+expect_said() {
+  [ "$(cat got)" = "$1" ] || fail "keys do: $(cat got)"
+}
+
+turned() {
+  press 177 2 2 1 3 4 x minus minus plus m m q
+  expect_said "Sensitivity 1.41, density 100 % (off)
 Sensitivity 2.00, density 100 % (off)
 Sensitivity 1.41, density 100 % (off)
 Sensitivity 1.41, density 71 %
-Sensitivity 1.41, density 100 % (off)" ] || fail "keys do: $(cat got)"
+Sensitivity 1.41, density 100 % (off)
+Intensity 90 %
+Intensity 80 %
+Intensity 90 %
+Vibration off
+Vibration on"
+  expect_line out '^Played .* of 90\.0 s \(stopped\)$'
 }
+
+# In the pause, which lasts, times are exact.
+moved() {
+  press 181 space Left Right Up Right Down Down space Escape
+  sed -E 's/^(Paused at|Playing from) .*/\1/' got >said
+  mv said got
+  expect_said "Paused at
+0:00 of 1:30
+0:10 of 1:30
+1:10 of 1:30
+1:20 of 1:30
+0:20 of 1:30
+0:00 of 1:30
+Playing from"
+  expect_line out '^Played .* of 90\.0 s \(stopped\)$'
+}
+
 
 broken() {
   play -o o "$work/cut.mkv"
@@ -70,14 +101,17 @@ no_such_display() {
 
 film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
-film long.mkv "$(picture 177 120 I420 90) ! vp8enc deadline=1 ! matroskamux"
+for width in 177 181; do
+  film "long$width.mkv" "$(picture "$width" 120 I420 450 | sed s,30/1,5/1,) ! vp8enc deadline=1 ! matroskamux"
+done
 film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
 cut_film cut.mkv sound.mkv 50
 
 start silent shown silent.mkv
 start sound shown sound.mkv
 start odd_size shown odd.mkv
-start steered steered
+start turned turned
+start moved moved
 start broken broken
 start not_shown not_shown
 start no_such_display no_such_display

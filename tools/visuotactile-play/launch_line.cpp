@@ -65,18 +65,22 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
                      + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
                      + joined_sound(look, sound) + " ! tactileextractor name=split split.tactile ! "
                      + look + " ! " + settings.chair + " name=chair"
-                     + (settings.has_trace ? file("trace-location", settings.commands) : "")
+                     + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
                      + " split.src ! " + look + " ! tactileoverlay name=overlay"
                      + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
     line += "autovideosink";
+  else if (settings.recording.empty())
+    line += "fakesink sync=true";
   else
     line += recorded_size(film) + video_encoder() + " ! " + look
             + " ! matroskamux name=mux ! filesink name=recorder async=false"
             + file("location", settings.recording);
   if (film.has_sound)
     line += heard_sound(look, sound) + "audioresample ! "
-            + (settings.window ? "autoaudiosink" : "vorbisenc ! " + look + " ! mux.");
+            + (settings.window              ? "autoaudiosink"
+               : settings.recording.empty() ? "fakesink sync=true"
+                                            : "vorbisenc ! " + look + " ! mux.");
   return line;
 }
 

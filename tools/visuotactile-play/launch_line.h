@@ -9,12 +9,12 @@
 /// How a film is played.
 struct PlaySettings
 {
-  bool window = false;          ///< picture and sound on this machine, else a recording
-  std::string recording;        ///< file of the recording
-  std::string commands;         ///< file of the command trace
+  bool window = false;          ///< picture and sound on this machine
+  std::string recording;        ///< file of the recording, without a window; empty: none
+  std::string commands;         ///< file of the command trace; empty: none
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
   std::string chair;            ///< the sink of the maps with its properties, as on a launch line
-  bool has_trace = false;       ///< it writes its commands and keeps statistics: it is tactorsink
+  bool has_trace = false;       ///< it can write its commands and has statistics: it is tactorsink
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
   const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound

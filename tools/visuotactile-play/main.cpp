@@ -2,6 +2,7 @@
 //
 // visuotactile-play: plays a film on screen (or records it) and on the chair, and prints a report.
 #include "devices.h"
+#include "display.h"
 #include "player.h"
 #include "strip.h"
 
@@ -23,6 +24,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -33,6 +35,8 @@ namespace {
 constexpr const char *kProgram = "visuotactile-play";
 constexpr int kStripFrames = 6;
 constexpr const char *kRecording = "visuotactile.mkv";
+constexpr const char *kCommands = "commands.csv";
+constexpr const char *kStrip = "strip.png";
 constexpr gint kOfDevice = G_MININT; ///< side of the grid: the device's, else kPaperSide
 constexpr gint kPaperSide = 3;
 
@@ -44,9 +48,19 @@ is_same_file(const std::string &uri, const std::filesystem::path &path)
   return film && std::filesystem::equivalent(film, path, error);
 }
 
+/// Throws std::runtime_error if the file exists and may not be replaced.
+void
+expect_new(const std::filesystem::path &path, bool force)
+{
+  std::error_code error;
+  if (!force && std::filesystem::is_regular_file(path, error))
+    throw std::runtime_error("'" + path.string()
+                             + "' exists; expected a folder without it, or --force");
+}
+
 struct Options
 {
-  TextOption output{ "." };
+  TextOption output{};
   TextOption profile{ "tuned" };
   TextOption people{ "off" };
   TextOption sound{ "off" };
@@ -84,9 +98,11 @@ read_command_line(int argc, char **argv, Options &options)
 {
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output.value,
-      "Folder for the output files (default: the working directory)", "DIR" },
+      "Write commands.csv and strip.png to this folder, and visuotactile.mkv if no window shows "
+      "the film (default: nothing is written)",
+      "DIR" },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &options.no_window,
-      "Record visuotactile.mkv even with a display", nullptr },
+      "Show no window even with a display", nullptr },
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
       "Driver of tactorsink, or audio for shakers at a sound card (default: auto)", "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value,
@@ -134,17 +150,21 @@ read_command_line(int argc, char **argv, Options &options)
         .summary
         = "Plays a film and drives an array of vibration motors by what draws the eye in "
           "it.\nFILM is a file or a URI; without one, a synthetic film is played.\n\n"
-          "With a display the film is shown with its tactile overlay. Without one it is "
-          "played\nin real time all the same and recorded as visuotactile.mkv. The commands "
-          "to the chair\nare written to commands.csv, a few frames with their maps to "
-          "strip.png.\n\n"
-          "With --sensitivity or --density a bar at the picture's lower edge shows the\n"
-          "strongest event, which is felt where the bar passes the red mark. In the film's\n"
-          "window the keys Up and Down change the sensitivity, Left and Right the density.\n\n"
+          "With a display, a window shows the film with its tactile overlay. Without a "
+          "display,\nthe film drives the motors in real time all the same. With --output=DIR, "
+          "the commands\nto the chair are written to DIR/commands.csv, a few frames with their "
+          "maps to\nDIR/strip.png, and without a window the film with its overlay to "
+          "DIR/visuotactile.mkv.\nExisting files are replaced only with --force.\n\n"
+          "Keys in the window: Space pauses, Left and Right move by 10 s, Down and Up by a "
+          "minute,\n+ and - change the intensity of the vibration, M switches it off and on, Q "
+          "quits. 1 and 2\nchange the sensitivity, 3 and 4 the density; then, as with "
+          "--sensitivity or --density, a bar\nat the picture's lower edge shows the strongest "
+          "event, which is felt where the bar passes\nthe red mark.\n\n"
           "Ctrl-C ends the film, with all motors at zero and complete files; a second "
           "Ctrl-C\nends it at once.",
         .least = 0,
         .most = std::numeric_limits<std::size_t>::max(),
+        .force_help = "Replace files of an earlier run",
         .quiet_help = "Print no progress, only the report",
         .group = gst_init_get_option_group() });
   const auto is_one_of = [](const TextOption &option, std::initializer_list<const char *> values) {
@@ -348,25 +368,38 @@ run(const Options &options)
   if (settings.has_trace)
     settings.chair += " compensation=" + options.compensation.text();
 
+  const bool writes = options.output.is_set();
   const std::filesystem::path directory = options.output.text();
   if (options.print_pipeline) {
-    settings.recording = directory / kRecording;
-    settings.commands = directory / "commands.csv";
+    if (writes) {
+      settings.recording = directory / kRecording;
+      settings.commands = directory / kCommands;
+    }
     std::puts(shell_command(film, settings).c_str());
     return 0;
   }
 
-  prepare_directory(directory);
-  if (!settings.window && is_same_file(film.uri, directory / kRecording))
-    throw std::runtime_error("the recording would overwrite the film; give another --output");
-  Output recording(directory, kRecording);
-  Output commands(directory, "commands.csv");
-  Output picture(directory, "strip.png");
-  settings.recording = recording.part_path();
-  settings.commands = commands.part_path();
+  std::optional<Output> recording;
+  std::optional<Output> commands;
+  std::optional<Output> picture;
+  if (writes) {
+    prepare_directory(directory);
+    const auto open = [&](std::optional<Output> &output, const char *name) {
+      expect_new(directory / name, options.common.force);
+      return output.emplace(directory, name).part_path();
+    };
+    if (!settings.window) {
+      if (is_same_file(film.uri, directory / kRecording))
+        throw std::runtime_error("the recording would overwrite the film; give another --output");
+      settings.recording = open(recording, kRecording);
+    }
+    if (settings.has_trace)
+      settings.commands = open(commands, kCommands);
+    open(picture, kStrip);
+  }
 
   Strip strip(film.duration, kStripFrames);
-  const PlayReport report = play(film, settings, strip);
+  const PlayReport report = play(film, settings, writes ? &strip : nullptr);
   if (!report.failure.empty())
     throw std::runtime_error(report.failure);
   if (!report.played && !report.stopped)
@@ -374,20 +407,21 @@ run(const Options &options)
 
   // Before the report: who reads that may not wait for the program's end.
   std::string written;
-  const auto commit = [&written](Output &output) {
-    if (output.commit())
-      written += (written.empty() ? "" : ", ") + output.final_path().lexically_normal().string();
+  const auto commit = [&written](std::optional<Output> &output) {
+    if (output && output->commit())
+      written += (written.empty() ? "" : ", ") + output->final_path().lexically_normal().string();
   };
   if (report.recorded && report.played)
     commit(recording);
   commit(commands);
-  if (strip.write(picture.part_path()))
+  if (picture && strip.write(picture->part_path()))
     commit(picture);
 
   print_report(film, report);
-  if (!settings.window && report.played && !report.recorded)
+  if (recording && report.played && !report.recorded)
     std::printf("Recording      not finished, so not kept\n");
-  std::printf("Written        %s\n", written.empty() ? "nothing" : written.c_str());
+  if (writes)
+    std::printf("Written        %s\n", written.empty() ? "nothing" : written.c_str());
   return report.motors_may_run ? 1 : 0;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
-#include "steering.h"
+#include "keys.h"
 
 #include "film/frame_times.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
-#include "gst/video/video_sinks.h"
 
 #include <glib-unix.h>
 #include <gst/video/navigation.h>
@@ -31,7 +30,7 @@ constexpr guint kFinishSeconds = 2;
 class Run
 {
 public:
-  Run(const PlaySettings &settings, const Film &film, Strip &strip)
+  Run(const PlaySettings &settings, const Film &film, Strip *strip)
       : settings_(settings), film_(film), strip_(strip), loop_(g_main_loop_new(nullptr, FALSE))
   {
   }
@@ -56,7 +55,7 @@ public:
     chair_ = element(pipeline_, "chair");
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
-    if (settings_.has_trace)
+    if (!settings_.commands.empty())
       g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
     if (film_.has_sound)
       g_signal_connect(element(pipeline_, "film").get(), "no-more-pads", G_CALLBACK(no_more_pads),
@@ -65,7 +64,7 @@ public:
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, listen);
     probe("overlay", "src", GST_PAD_PROBE_TYPE_BUFFER, watch);
-    probe("overlay", "src", GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, on_key);
+    probe("overlay", "src", GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, pressed);
     probe("recorder", "sink", GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, record);
 
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
@@ -130,8 +129,8 @@ private:
     return GST_PAD_PROBE_HANDLED;
   }
 
-  /// Equals the film's time: it is played once, forward, from its beginning.
-  static GstClockTime running_time(GstPad *pad, GstBuffer *buffer)
+  /// The film's time.
+  static GstClockTime stream_time(GstPad *pad, GstBuffer *buffer)
   {
     GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
     if (!event)
@@ -139,7 +138,7 @@ private:
     const GstSegment *segment;
     gst_event_parse_segment(event, &segment);
     const GstClockTime time
-        = gst_segment_to_running_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+        = gst_segment_to_stream_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
     gst_event_unref(event);
     return time;
   }
@@ -154,14 +153,16 @@ private:
   {
     Run *self = static_cast<Run *>(data);
     GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-    const GstClockTime time = running_time(pad, buffer);
+    const GstClockTime time = stream_time(pad, buffer);
     GstCaps *caps = gst_pad_get_current_caps(pad);
     if (caps && GST_CLOCK_TIME_IS_VALID(time)) {
-      self->strip_.offer(buffer, caps, time);
+      self->shown_ = time;
+      if (self->strip_)
+        self->strip_->offer(buffer, caps, time);
       if (self->position_.exchange(end_of(buffer, time)) == 0) {
         if (!self->settings_.quiet)
           std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
-                       self->settings_.window ? "Playing" : "Recording, in real time,",
+                       self->settings_.recording.empty() ? "Playing" : "Recording, in real time,",
                        self->film_.title.c_str());
         self->post("playing");
       }
@@ -182,26 +183,74 @@ private:
   static GstPadProbeReturn listen(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-    const GstClockTime time = running_time(pad, buffer);
+    const GstClockTime time = stream_time(pad, buffer);
     if (GST_CLOCK_TIME_IS_VALID(time))
       static_cast<Run *>(data)->heard_ = end_of(buffer, time);
     return GST_PAD_PROBE_OK;
   }
 
   /// Probe for keys that are pressed in the film's window.
-  static GstPadProbeReturn on_key(GstPad *, GstPadProbeInfo *info, gpointer data)
+  static GstPadProbeReturn pressed(GstPad *, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
     GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
     const gchar *key = nullptr;
     if (GST_EVENT_TYPE(event) != GST_EVENT_NAVIGATION
         || gst_navigation_event_get_type(event) != GST_NAVIGATION_EVENT_KEY_PRESS
-        || !gst_navigation_event_parse_key_event(event, &key) || !steer(self->analysis_.get(), key))
+        || !gst_navigation_event_parse_key_event(event, &key))
       return GST_PAD_PROBE_OK;
-    g_object_set(self->analysis_.get(), "attach-saliency", TRUE, nullptr);
-    g_object_set(element(self->pipeline_, "overlay").get(), "meter", TRUE, nullptr);
-    self->post("steered");
+    // The thread is the window's.
+    gst_element_post_message(
+        self->pipeline_.get(),
+        gst_message_new_application(GST_OBJECT(self->pipeline_.get()),
+                                    gst_structure_new("key", "name", G_TYPE_STRING, key, nullptr)));
     return GST_PAD_PROBE_OK;
+  }
+
+  void on_key(const std::string &key)
+  {
+    if (key == "q" || key == "Escape") {
+      report_.stopped = true;
+      g_main_loop_quit(loop_);
+    } else if (key == "space" || key == "p") {
+      paused_ = !paused_;
+      gst_element_set_state(pipeline_.get(), paused_ ? GST_STATE_PAUSED : GST_STATE_PLAYING);
+      say((paused_ ? "Paused at " : "Playing from ") + clock_time(shown_.load()));
+    } else if (const auto by = seek_of(key)) {
+      seek(*by);
+    } else if (const std::string line = turn(key, analysis_.get(), chair_.get()); !line.empty()) {
+      if (is_steering(key)) {
+        g_object_set(analysis_.get(), "attach-saliency", TRUE, nullptr);
+        g_object_set(element(pipeline_, "overlay").get(), "meter", TRUE, nullptr);
+      }
+      say(line);
+    }
+  }
+
+  void seek(int seconds)
+  {
+    const auto end = static_cast<gint64>(
+        GST_CLOCK_TIME_IS_VALID(film_.duration)
+            ? film_.duration - std::min<GstClockTime>(film_.duration, GST_SECOND)
+            : G_MAXINT64);
+    const gint64 to = std::clamp<gint64>(
+        static_cast<gint64>(shown_.load()) + seconds * static_cast<gint64>(GST_SECOND), 0, end);
+    if (!gst_element_seek_simple(
+            pipeline_.get(), GST_FORMAT_TIME,
+            static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
+      say("This film cannot be moved to another time");
+      return;
+    }
+    shown_ = static_cast<GstClockTime>(to); // the next key may come before a frame
+    say(clock_time(static_cast<GstClockTime>(to))
+        + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? " of " + clock_time(film_.duration) : ""));
+  }
+
+  void say(const std::string &line)
+  {
+    progress_.clear();
+    if (!settings_.quiet)
+      std::fprintf(stderr, "%s\n", line.c_str());
   }
 
   /// Probe for the recording's end of stream, when all has been written.
@@ -240,7 +289,7 @@ private:
   /// Ends the recording without waiting for film or clock. The main loop ends when it is complete.
   void end_at_once()
   {
-    if (settings_.window || recorded_.load()) {
+    if (settings_.recording.empty() || recorded_.load()) {
       g_main_loop_quit(loop_);
       return;
     }
@@ -285,10 +334,8 @@ private:
       if (gst_message_has_name(message, "playing")) {
         playing_ = true;
         report_board();
-      } else if (gst_message_has_name(message, "steered")) {
-        progress_.clear();
-        if (!settings_.quiet)
-          std::fprintf(stderr, "%s\n", steering_text(analysis_.get()).c_str());
+      } else if (gst_message_has_name(message, "key")) {
+        on_key(gst_structure_get_string(gst_message_get_structure(message), "name"));
       } else if (at_once_) // the recording is complete
         g_main_loop_quit(loop_);
       break;
@@ -320,7 +367,8 @@ private:
     }
     case GST_MESSAGE_CLOCK_LOST: // the sound card that was the clock was unplugged
       gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
-      gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
+      if (!paused_)
+        gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
       break;
     case GST_MESSAGE_LATENCY:
       gst_bin_recalculate_latency(GST_BIN(pipeline_.get()));
@@ -412,7 +460,7 @@ private:
 
   const PlaySettings &settings_;
   const Film &film_;
-  Strip &strip_;
+  Strip *strip_;
   GMainLoop *loop_;
   Pipeline pipeline_;
   Owned<GstElement> analysis_;
@@ -423,10 +471,12 @@ private:
   bool playing_ = false; ///< the first frame has come
   std::string board_;    ///< which one is driven, yet to be printed
   bool at_once_ = false;
+  bool paused_ = false;
   std::atomic<bool> ending_{ false };
   std::atomic<bool> recorded_{ false };
   std::atomic<bool> silent_{ false };
-  std::atomic<GstClockTime> position_{ 0 };
+  std::atomic<GstClockTime> shown_{ 0 };    ///< the film's time of the last frame
+  std::atomic<GstClockTime> position_{ 0 }; ///< and of its end
   std::atomic<GstClockTime> heard_{ 0 };
   PlayReport report_;
 };
@@ -449,40 +499,8 @@ PlayReport::PlayReport(PlayReport &&other) noexcept
 {
 }
 
-bool
-have_display()
-{
-  if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
-    return false;
-  // autovideosink would try it.
-  if (GstPluginFeature *feature
-      = gst_registry_lookup_feature(gst_registry_get(), kCrashingVideoSink)) {
-    gst_plugin_feature_set_rank(feature, GST_RANK_NONE);
-    gst_object_unref(feature);
-  }
-  // autovideosink opens the best sink that works, or settles for a fake one.
-  const Owned<GstElement> sink(gst_element_factory_make("autovideosink", nullptr));
-  if (!sink)
-    return false;
-  gst_object_ref_sink(sink.get());
-  bool found = false;
-  if (gst_element_set_state(sink.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE) {
-    GstIterator *children = gst_bin_iterate_elements(GST_BIN(sink.get()));
-    GValue item = G_VALUE_INIT;
-    while (gst_iterator_next(children, &item) == GST_ITERATOR_OK) {
-      const GstElementFactory *factory
-          = gst_element_get_factory(GST_ELEMENT(g_value_get_object(&item)));
-      found = factory && !g_str_has_prefix(GST_OBJECT_NAME(factory), "fake");
-      g_value_unset(&item);
-    }
-    gst_iterator_free(children);
-  }
-  gst_element_set_state(sink.get(), GST_STATE_NULL);
-  return found;
-}
-
 PlayReport
-play(const Film &film, const PlaySettings &settings, Strip &strip)
+play(const Film &film, const PlaySettings &settings, Strip *strip)
 {
   return Run(settings, film, strip)();
 }

@@ -19,7 +19,7 @@ struct PlayReport
   bool silent = false;              ///< there is sound in the film, but none that can be decoded
   std::string failure;              ///< why nothing could be played or written, or empty
   std::string ended_early;          ///< the error at which a broken film ended, or empty
-  GstClockTime position = 0;        ///< running time of the end of the last frame
+  GstClockTime position = 0;        ///< the film's time at the end of the last frame
   GstClockTime reached = 0;         ///< of the end of the last frame or sound, whichever is later
   GstStructure *analysis = nullptr; ///< saliencytactile's stats, owned
   GstStructure *chair = nullptr;    ///< tactorsink's actuation-stats, owned, or null
@@ -30,8 +30,6 @@ struct PlayReport
   PlayReport &operator=(PlayReport &&) = delete;
 };
 
-/// Whether a picture can be shown here.
-bool have_display();
-
 /// Plays the film to its end, or until SIGINT, SIGTERM or SIGHUP. All files are complete then.
-PlayReport play(const Film &film, const PlaySettings &settings, Strip &strip);
+/// `strip`, if any, is offered each frame.
+PlayReport play(const Film &film, const PlaySettings &settings, Strip *strip);

@@ -43,21 +43,41 @@ GST_START_TEST(test_compensation_none)
 }
 GST_END_TEST;
 
-/// Blocks at 5 Hz: nothing changes within 200 ms. A block's level is that of the map at its start.
+/// Blocks at 5 Hz: within 200 ms only a level that is stronger by half changes anything. A block's
+/// level is that of the map at its start.
 GST_START_TEST(test_blocks_at_5_hz)
 {
   SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
-    for (int i = 0; i < 20; i++)
-      rig.push(static_cast<GstClockTime>(i) * kFrame,
-               { i % 5 == 0 ? 0.2f * static_cast<gfloat>(i / 5 + 1) : 1.0f });
+    for (int i = 0; i < 20; i++) {
+      const gfloat level = 0.2f * static_cast<gfloat>(i / 5 + 1);
+      rig.push(static_cast<GstClockTime>(i) * kFrame, { i % 5 == 0 ? level : 1.4f * level });
+    }
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 5);
   for (guint i = 0; i < 4; i++)
     assert_line(lines[i], i * 200 * kMs, i * 200 * kMs, i * 200 * kMs, 0, 0.6 * (i + 1));
   assert_line(lines[4], 800 * kMs, 800 * kMs, 800 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+/// A level that is stronger by half is felt at once, for a block, also if it lasts for one frame.
+GST_START_TEST(test_stronger_at_once_at_5_hz)
+{
+  SinkRig rig;
+  rig.uncompensated();
+  rig.play([&] {
+    for (int i = 0; i < 20; i++)
+      rig.push(static_cast<GstClockTime>(i) * kFrame, { i == 7 ? 0.8f : 0.4f });
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 1.2);
+  assert_line(lines[1], 7 * kFrame, 7 * kFrame, 7 * kFrame, 0, 2.4);
+  assert_line(lines[2], 12 * kFrame, 12 * kFrame, 12 * kFrame, 0, 1.2);
+  assert_line(lines[3], 20 * kFrame, 20 * kFrame, 20 * kFrame, 0, 0);
 }
 GST_END_TEST;
 
@@ -583,6 +603,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_compensation_frame_block);
   tcase_add_test(cases, test_compensation_none);
   tcase_add_test(cases, test_blocks_at_5_hz);
+  tcase_add_test(cases, test_stronger_at_once_at_5_hz);
   tcase_add_test(cases, test_pause_silences_and_resume_reissues);
   tcase_add_test(cases, test_pause_waits_for_no_map);
   tcase_add_test(cases, test_late_preroll_is_no_play);

@@ -51,7 +51,8 @@ GST_START_TEST(test_grid_change_keeps_steady_levels)
 }
 GST_END_TEST;
 
-/// Maps of sound are taken at once, and leave the blocks of 200 ms as they are.
+/// Maps of sound are taken at once, and leave the blocks of 200 ms as they are: a weaker picture
+/// waits for the next block, one that is stronger than what is felt begins a block.
 GST_START_TEST(test_sound_between_blocks)
 {
   SinkRig rig;
@@ -68,15 +69,15 @@ GST_START_TEST(test_sound_between_blocks)
     push(kFrame, 1, true);
     push(2 * kFrame, 0.5F, false); // the block goes on
     push(3 * kFrame, 0, true);
-    push(4 * kFrame, 0.5F, false);
-    push(5 * kFrame, 0.5F, false); // the next block
+    push(4 * kFrame, 0.5F, false); // the next block
+    push(5 * kFrame, 0.6F, false);
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(kFrame, 40 * kMs);
   ck_assert_uint_eq(lines.size(), 4);
   assert_line(lines[0], kFrame, kFrame, kFrame, 0, 3.0);
   assert_line(lines[1], 3 * kFrame, 3 * kFrame, 3 * kFrame, 0, 0);
-  assert_line(lines[2], 5 * kFrame, 5 * kFrame, 5 * kFrame, 0, 1.5);
+  assert_line(lines[2], 4 * kFrame, 4 * kFrame, 4 * kFrame, 0, 1.5);
 }
 GST_END_TEST;
 

@@ -22,10 +22,11 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// A level that repeats every seventh frame. No block here has seven frames, so each has a command.
+/// None is stronger by half than another, which would begin a block.
 float
 level_of(std::int64_t frame)
 {
-  return 0.3F + 0.1F * static_cast<float>(frame % 7);
+  return 0.6F + 0.04F * static_cast<float>(frame % 7);
 }
 
 /// The voltage that a single tactor gets for a level.
@@ -143,7 +144,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_level_of_the_blocks_first_map)
 {
-  CommandPlanner planner(1, unlimited());
+  // The paper's way: a block has the level that it begins with.
+  CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }));
   for (int frame = 0; frame < 6; frame++) {
     const float level = frame == 0 ? 0.5F : 1.0F;
     const auto commands
@@ -153,6 +155,47 @@ GST_START_TEST(test_level_of_the_blocks_first_map)
   // A block without changes has no commands.
   fail_unless(planner.plan(kThirty.frame(6), 33ms, std::vector<float>{ 0.5F }).empty());
   fail_unless(text(planner.plan(kThirty.frame(12), 33ms, std::vector<float>{ 1.0F })) == "0:300 ");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_cue_is_lost)
+{
+  // A cue of two frames, wherever it begins in a block of six, is felt from its first frame on, for
+  // a block. Without commands in between, the next one ends it.
+  for (int begin = 1; begin < 20; begin++) {
+    CommandPlanner planner(1, unlimited());
+    std::vector<std::pair<int, std::string>> planned;
+    for (int frame = 0; frame < 40; frame++) {
+      const float level = frame == begin || frame == begin + 1 ? 0.5F : 0.0F;
+      const auto commands = planner.plan(kThirty.frame(frame), kThirty.duration(frame),
+                                         std::vector<float>{ level });
+      if (!commands.empty())
+        planned.emplace_back(frame, text(commands));
+    }
+    const std::vector<std::pair<int, std::string>> expected{ { begin, "0:150 " },
+                                                             { begin + 6, "0:0 " } };
+    fail_unless(planned == expected, "begins with frame %d", begin);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_strongest_frame)
+{
+  // What becomes stronger by half within a block is felt at once, and others go on until their
+  // block is over.
+  CommandPlanner planner(2, unlimited());
+  const auto plan = [&](int frame, float one, float other) {
+    return text(planner.plan(kThirty.frame(frame), kThirty.duration(frame),
+                             std::vector<float>{ one, other }));
+  };
+  fail_unless(plan(0, 0.4F, 0) == "0:120 ");
+  fail_unless(plan(1, 0.5F, 0).empty());
+  fail_unless(plan(2, 0, 0.8F) == "1:240 "); // the first has had 2 of its 6 frames
+  fail_unless(plan(3, 0, 0.9F).empty());
+  fail_unless(plan(7, 0.2F, 0.2F).empty());
+  fail_unless(plan(8, 0.2F, 0.2F) == "0:60 1:60 "); // six frames later
+  fail_unless(plan(9, 0.2F, 0.35F) == "1:105 ");
+  fail_unless(plan(10, 0.0F, 0.6F) == "1:180 ");
 }
 GST_END_TEST;
 
@@ -392,6 +435,8 @@ command_planner_suite(void)
   tcase_add_test(tests, test_unknown_durations);
   tcase_add_test(tests, test_holes);
   tcase_add_test(tests, test_level_of_the_blocks_first_map);
+  tcase_add_test(tests, test_no_cue_is_lost);
+  tcase_add_test(tests, test_strongest_frame);
   tcase_add_test(tests, test_silence);
   tcase_add_test(tests, test_silence_before_what_is_planned);
   tcase_add_test(tests, test_reset);
