@@ -5,6 +5,7 @@
 
 #include <gst/gst.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace running_time {
@@ -30,12 +31,13 @@ of(const GstSegment &segment, GstClockTime position)
 inline GstClockTime
 to_position(const GstSegment &segment, visuotactile::Time time)
 {
-  if (time >= visuotactile::Time(0))
-    return gst_segment_position_from_running_time(&segment, GST_FORMAT_TIME,
-                                                  static_cast<guint64>(time.count()));
+  // GStreamer takes no running time before zero, but a segment whose base is later.
+  const visuotactile::Time zero(0);
+  GstSegment later = segment;
+  later.base += static_cast<guint64>(std::max(-time, zero).count());
   guint64 position = 0;
   const gint sign = gst_segment_position_from_running_time_full(
-      &segment, GST_FORMAT_TIME, static_cast<guint64>(-time.count()), &position);
+      &later, GST_FORMAT_TIME, static_cast<guint64>(std::max(time, zero).count()), &position);
   return sign > 0 ? position : GST_CLOCK_TIME_NONE;
 }
 

@@ -46,7 +46,7 @@ found() {
   }
 }
 # shellcheck disable=SC2016
-elements=$(sed -nE 's/^\| \[`([a-z]+)`\]\(docs\/elements.*/\1/p' "$readme" | grep -v provider) # gst-inspect-1.0 knows no device providers
+elements=$(sed -nE 's/^- \[`([a-z]+)`\]\(docs\/elements.*/\1/p' "$readme" | grep -v provider) # gst-inspect-1.0 knows no device providers
 [ "$(wc -w <<<"$elements")" -ge 10 ] || { echo "$readme lists hardly any element: $elements"; exit 1; }
 for element in $elements; do
   found "gst-inspect-1.0 $element | grep -F '$work/there'"

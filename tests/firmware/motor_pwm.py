@@ -6,7 +6,7 @@ A motor is a resistance, an inductance and a back-EMF that is proportional to sp
 capacitor in parallel. While the transistor is on, the terminals have the supply voltage. When it turns off, the motor's current discharges
 the capacitor, at most to the diode's drop below zero, and ends. Then the terminals have the back-EMF.
 
-Prints the steady voltage that gives the same speed: the table of docs/hardware/README.md. With --check, compares the simulation with
+Prints the steady voltage that gives the same speed: the table of docs/measured/pwm.md. With --check, compares the simulation with
 closed-form solutions, and the page with the simulation.
 
 Usage: motor_pwm.py [--check PAGE]

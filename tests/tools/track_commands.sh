@@ -246,6 +246,12 @@ foreign_carriers() {
   [ "$(subtitles_of twice.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of twice.mkv)"
   play mux mux.ts film.vtt -o twice.ts
   [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sed '/^$/d' | sort -u)" = klv ] || fail "other streams"
+  # On a full disk, here of 1 KiB, what was there stays.
+  echo kept >kept.hjif
+  local status=0
+  (ulimit -f 1 && trap '' XFSZ && exec "$PLAY" extract mux.mkv -o kept.hjif -f) >out 2>err || status=$?
+  [ "$status" -eq 1 ] && [ "$(cat err)" = "tactile-track: cannot write 'kept.hjif': File too large" ] || fail "status $status: $(cat err)"
+  [ "$(cat kept.hjif)" = kept ] && [ -z "$(find . -name '.kept*')" ] || fail "it was replaced: $(ls -a)"
   play extract "$work/film.mkv" -o none.vtt
   expect_status 1
   expect_line err 'carries no track'

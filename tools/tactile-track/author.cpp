@@ -430,7 +430,7 @@ author(int argc, char **argv)
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &settings.rate,
       "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
-      "How saliency is computed: tuned (default) or paper", "NAME" },
+      "Profile of the analysis: tuned (default) or paper", "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &sound.value, kSoundHelp, "PROFILE" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
       "Number of films to analyze at the same time (default: one per processor)", "N" },

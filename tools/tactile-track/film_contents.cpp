@@ -11,6 +11,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string_view>
@@ -199,28 +200,20 @@ stream_of(JsonObject *from)
   return stream;
 }
 
-/// "0,1.001,872": stream, time, size.
-void
-take_packet(FilmContents &contents, std::string_view line)
+/// More streams no film has.
+constexpr long kMostStreams = 4096;
+
+/// A number of a line such as `{ "stream_index": 0, "pts_time": "1.001000", "size": "872" }`.
+template <typename Number>
+bool
+read_field(std::string_view line, std::string_view name, Number &number)
 {
-  std::size_t stream = 0;
-  const char *at = line.data();
-  const char *const end = at + line.size();
-  const auto next = [&](auto &number) {
-    const auto [stop, error] = std::from_chars(at, end, number);
-    const char *const comma = std::find(stop, end, ',');
-    at = comma == end ? end : comma + 1;
-    return error == std::errc();
-  };
-  FilmStream::Packet packet;
-  if (!next(stream) || stream >= contents.streams.size())
-    return;
-  if (!next(packet.time))
-    packet.time = FilmStream::kNever;
-  next(packet.size);
-  // MP4 fills gaps between subtitles with empty ones.
-  if (contents.streams[stream].codec != "mov_text" || packet.size > 2)
-    contents.streams[stream].packets.push_back(packet);
+  const std::size_t at = line.find(name);
+  if (at == std::string_view::npos)
+    return false;
+  std::string_view text = line.substr(at + name.size());
+  text.remove_prefix(std::min(text.find_first_not_of("\": "), text.size()));
+  return std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc();
 }
 
 } // namespace
@@ -285,14 +278,41 @@ FilmContents::earliest() const
 FilmContents
 read_contents(const std::string &path, const std::function<void(double)> &on_progress)
 {
-  const std::string file = "file:" + path;
+  std::error_code unknown;
+  const auto size = static_cast<double>(std::filesystem::file_size(path, unknown));
   std::string text;
-  std::vector<std::string> arguments
-      = { "ffprobe", "-v",           "error",         "-probesize",     "50M", "-analyzeduration",
-          "50M",     "-show_format", "-show_streams", "-show_chapters", "-of", "json",
-          file };
-  ProgramEnd end = run_program(arguments, "ffmpeg",
-                               [&](std::string_view line) { text.append(line).append("\n"); });
+  std::vector<std::vector<FilmStream::Packet>> packets;
+  int percent = 0;
+  bool is_in_packets = false;
+  // "packets" comes before all else and has a line a packet, and more for its side data.
+  const ProgramEnd end = run_program(
+      { "ffprobe", "-v", "error", "-probesize", "50M", "-analyzeduration", "50M", "-show_format",
+        "-show_streams", "-show_chapters", "-show_entries", "packet=stream_index,pts_time,size,pos",
+        "-of", "json=compact=1", "file:" + path },
+      "ffmpeg", [&](std::string_view line) {
+        if (!is_in_packets) {
+          is_in_packets = line == "    \"packets\": [";
+          if (!is_in_packets)
+            text.append(line).append("\n");
+          return;
+        }
+        is_in_packets = line != "    ],";
+        long stream = 0;
+        if (!read_field(line, "\"stream_index\"", stream) || stream < 0 || stream >= kMostStreams)
+          return;
+        if (packets.size() <= static_cast<std::size_t>(stream))
+          packets.resize(static_cast<std::size_t>(stream) + 1);
+        FilmStream::Packet &packet = packets[static_cast<std::size_t>(stream)].emplace_back();
+        if (!read_field(line, "\"pts_time\"", packet.time))
+          packet.time = FilmStream::kNever;
+        read_field(line, "\"size\"", packet.size);
+        double at = 0;
+        if (!unknown && read_field(line, "\"pos\"", at)
+            && static_cast<int>(100 * at / size) > percent) {
+          percent = static_cast<int>(100 * at / size);
+          on_progress(std::min(at / size, 1.0));
+        }
+      });
   const std::unique_ptr<JsonParser, ParserUnref> parser(json::parse(text));
   JsonNode *root = parser ? json_parser_get_root(parser.get()) : nullptr;
   JsonObject *all = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : nullptr;
@@ -309,11 +329,15 @@ read_contents(const std::string &path, const std::function<void(double)> &on_pro
   const auto date = contents.facts.find("creation_time");
   for (guint i = 0; i < json_array_get_length(streams); i++)
     if (JsonObject *one = json::object(streams, i)) {
-      Facts &facts = contents.streams.emplace_back(stream_of(one)).facts;
+      FilmStream &stream = contents.streams.emplace_back(stream_of(one));
       // MP4 says the film's for each stream, Matroska once.
-      if (const auto of = facts.find("creation_time");
-          of != facts.end() && date != contents.facts.end() && of->second == date->second)
-        facts.erase(of);
+      if (const auto of = stream.facts.find("creation_time");
+          of != stream.facts.end() && date != contents.facts.end() && of->second == date->second)
+        stream.facts.erase(of);
+      if (i < packets.size())
+        stream.packets = std::move(packets[i]);
+      if (stream.codec == "mov_text") // MP4 fills gaps between subtitles with empty ones
+        std::erase_if(stream.packets, [](const auto &packet) { return packet.size <= 2; });
     }
   JsonArray *chapters = json::array(all, "chapters");
   for (guint i = 0; chapters && i < json_array_get_length(chapters); i++)
@@ -322,35 +346,5 @@ read_contents(const std::string &path, const std::function<void(double)> &on_pro
       add_tags(tags, one);
       contents.chapters.push_back({ .start = number(one, "start_time"), .title = tags["title"] });
     }
-
-  arguments = { "ffprobe",
-                "-v",
-                "error",
-                "-probesize",
-                "50M",
-                "-analyzeduration",
-                "50M",
-                "-show_entries",
-                "packet=stream_index,pts_time,size",
-                "-of",
-                "csv=p=0",
-                file };
-  int percent = 0;
-  end = run_program(arguments, "ffmpeg", [&](std::string_view line) {
-    take_packet(contents, line);
-    const std::size_t comma = line.find(',');
-    double time = 0;
-    if (comma == std::string_view::npos || contents.duration <= 0
-        || std::from_chars(line.data() + comma + 1, line.data() + line.size(), time).ec
-               != std::errc())
-      return;
-    const double part = (time - contents.start) / contents.duration;
-    if (static_cast<int>(100 * part) > percent) {
-      percent = static_cast<int>(100 * part);
-      on_progress(std::min(part, 1.0));
-    }
-  });
-  if (end.status != 0)
-    throw std::runtime_error("cannot read '" + path + "': " + end.complaint);
   return contents;
 }

@@ -283,14 +283,6 @@ copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
   complete_matroska(what.film, to);
 }
 
-double
-zero_by_ffmpeg(const FilmContents &film, Container container)
-{
-  const double base = film.is_in("mp4") ? 0 : film.start;
-  const double first = film.earliest() - base;
-  return film.zero() - base + (container == Container::matroska ? std::max(0.0, -first) : 0);
-}
-
 void
 copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<int> &left_out,
                double at, const std::string &to, const OnProgress &on_progress)
@@ -345,18 +337,11 @@ streams_not_for(Container container, const FilmAndTrack &what, const std::string
 {
   std::vector<int> not_for;
   for (int i = 0; i < static_cast<int>(what.film.streams.size()); i++) {
-    const FilmStream &stream = what.film.streams[static_cast<std::size_t>(i)];
     Arguments arguments = ffmpeg_reading(what.path);
-    // A second: ffprobe takes fewer packets of sound for another codec's.
     add(arguments, "-t", "1", "-map", "0:" + std::to_string(i), "-c",
-        encoder_for(container, stream));
+        encoder_for(container, what.film.streams[static_cast<std::size_t>(i)]));
     try {
       finish_ffmpeg(arguments, container, 0, scratch, [](double) {});
-      // Into a transport stream it writes all, also what nobody can read.
-      const FilmContents written = read_contents(scratch, [](double) {});
-      if (written.streams.empty() || written.streams[0].kind != stream.kind
-          || (written.streams[0].codec != stream.codec && !stream.is_text()))
-        not_for.push_back(i);
     } catch (const std::runtime_error &) {
       not_for.push_back(i);
     }

@@ -46,10 +46,7 @@ void copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to
 void copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<int> &left_out,
                     double at, const std::string &to, const OnProgress &on_progress);
 
-/// Where ffmpeg puts the film's 0:00, as far as that is known before.
-double zero_by_ffmpeg(const FilmContents &film, Container container);
-
-/// The streams of a film that ffmpeg cannot put into a container.
+/// The streams of a film that ffmpeg refuses to write into a container.
 std::vector<int> streams_not_for(Container container, const FilmAndTrack &what,
                                  const std::string &scratch);
 

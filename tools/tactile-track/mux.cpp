@@ -71,6 +71,8 @@ public:
   {
     const FilmContents &film = what_.film;
     const bool lacks_times = film.lacks_times();
+    // ffmpeg moves what begins later to 0, but not MP4, whose times count from 0:00.
+    const double zero_by_ffmpeg = film.is_in("mp4") ? 0 : film.zero() - film.start;
     if (container_ == Container::matroska) {
       const bool suits_mkvmerge = lacks_times || film.is_in("matroska");
       for (const bool by_mkvmerge : { suits_mkvmerge, !suits_mkvmerge })
@@ -82,7 +84,7 @@ public:
                 else
                   by_ffmpeg(what_, at, to);
               },
-              !by_mkvmerge             ? zero_by_ffmpeg(film, container_)
+              !by_mkvmerge             ? zero_by_ffmpeg
               : film.is_in("matroska") ? std::max(film.zero(), 0.0) // sound may begin before
                                        : 0);
     } else {
@@ -94,7 +96,7 @@ public:
             film.zero());
       if (!lacks_times && !is_a_copy())
         attempt([&](double at, const std::string &to) { by_ffmpeg(what_, at, to); },
-                zero_by_ffmpeg(film, container_));
+                zero_by_ffmpeg);
       if (!is_a_copy())
         attempt([&](double at, const std::string &to) { with_times_first(at, to); }, 0);
     }
@@ -188,29 +190,36 @@ private:
     return -1;
   }
 
+  /// Leaves out what ffmpeg refuses and, in a transport stream, into which it writes all, what
+  /// nobody can read.
   void by_ffmpeg(const FilmAndTrack &what, double at, const std::string &to)
   {
     const bool needs_track = container_ == Container::transport_stream;
     const std::string first = needs_track ? between_.part_path().string() : to;
-    std::string failure;
     std::vector<int> left_out;
-    try {
-      copy_by_ffmpeg(what, container_, {}, at, first, progress("copied"));
-      if (needs_track)
-        left_out = streams_not_for(container_, what, scratch_.part_path().string());
-    } catch (const std::runtime_error &error) {
-      failure = error.what();
-      left_out = streams_not_for(container_, what, scratch_.part_path().string());
-      if (left_out.empty())
-        throw;
+    std::optional<FilmContents> copy; // a transport stream
+    for (bool is_whole = false; !is_whole;) {
+      std::vector<int> more;
+      try {
+        copy_by_ffmpeg(what, container_, left_out, at, first, progress("copied"));
+        if (needs_track) {
+          copy = read_contents(first, progress("checked"));
+          more = compare(what.film, what.taken_out, *copy, -1).left_out;
+        }
+      } catch (const std::runtime_error &) {
+        if (left_out.empty())
+          more = streams_not_for(container_, what, scratch_.part_path().string());
+        if (more.empty())
+          throw;
+      }
+      is_whole = std::ranges::all_of(
+          more, [&](int one) { return std::ranges::find(left_out, one) != left_out.end(); });
+      left_out.insert(left_out.end(), more.begin(), more.end());
     }
-    if (!left_out.empty())
-      copy_by_ffmpeg(what, container_, left_out, at, first, progress("copied"));
-    if (!needs_track)
-      return;
-    const FilmContents copy = read_contents(first, progress("checked"));
-    const double shift = compare(what_.film, what_.taken_out, copy, -1).shift;
-    copy_transport_stream(what_, first, what_.film.zero() + shift, to, progress("copied"));
+    if (copy)
+      copy_transport_stream(
+          what_, first, what_.film.zero() + compare(what_.film, what_.taken_out, *copy, -1).shift,
+          to, progress("copied"));
   }
 
   /// Times of presentation come from mkvmerge, which knows the pictures.

@@ -9,8 +9,8 @@
 
 static constexpr std::array kCommands = {
   Command{ "list", list, "print all settings" },
-  Command{ "on", switch_on, "let players be felt" },
-  Command{ "off", switch_off, "let players only be shown" },
+  Command{ "on", switch_on, "enable the chair in players" },
+  Command{ "off", switch_off, "disable the chair in players" },
   Command{ "set", set, "change settings" },
   Command{ "unset", unset, "remove settings" },
   Command{ "test", test, "drive one tactor after the other" },
