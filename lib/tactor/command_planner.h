@@ -19,9 +19,9 @@ namespace tactor {
 /// Turns the stream of tactile maps into commands. All times are running times; maps come in order
 /// of time. Not thread-safe: tactorsink's streaming thread has it.
 ///
-/// Maps are taken in FeltBlocks. With Compensation::frame_block, blocks are those of the grid alone,
-/// as in the paper. The grid begins anew after silence(), reset() and a change of rate, mapping or
-/// number of cells.
+/// Maps are taken in FeltBlocks. With Compensation::frame_block, blocks are those of the grid
+/// alone, as in the paper. The grid begins anew after silence(), reset() and a change of rate,
+/// mapping or number of cells.
 ///
 /// A command is due so early that it is at its motor at arrival_time(). Commands for one tactor are
 /// never due before their predecessors, on whose amplitude they build.
