@@ -19,9 +19,6 @@ static constexpr Time kAfterAll = std::chrono::hours(24 * 366 * 40);
 /// 1/6 as a float, of 3 V, must not fall below 0.5 V, where motors do not start.
 static constexpr double kRounding = 0.5e-6;
 
-/// Times the level of the block: a block begins at once.
-static constexpr float kStronger = 1.5F;
-
 CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime rise_time)
     : settings_(std::move(settings)), tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
                                                Tactor{ .motor = MotorModel(std::move(rise_time)) })
@@ -75,14 +72,9 @@ std::vector<Command>
 CommandPlanner::plan(Time time, Time duration, std::span<const float> levels, bool at_once)
 {
   const Time frame = duration > Time(0) ? duration : kDefaultFrame;
-  if (levels.size() != cells_.size()) {
-    cells_.assign(levels.size(), {});
-    blocks_.restart();
-  }
-  const bool early = !at_once && settings_.rate > 0 && is_stronger(levels);
-  if (!blocks_.begins(time, frame, at_once ? 0 : settings_.rate, early))
+  if (!blocks_.take({ time, frame, levels, at_once }, settings_.rate,
+                    settings_.compensation == Compensation::frame_block))
     return {};
-  take(time, levels, early);
   Plan plan = begin_plan(time, frame);
   std::vector<double> volts = target_volts();
   plan.line = line_time(volts);
@@ -112,8 +104,7 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels, bo
 std::vector<Command>
 CommandPlanner::silence(Time time)
 {
-  blocks_.restart();
-  std::ranges::fill(cells_, Cell{});
+  blocks_.silence();
   Plan plan = begin_plan(time, kDefaultFrame);
   plan.line = line_time(std::vector<double>(tactors_.size(), 0.0));
   for (std::size_t i = 0; i < tactors_.size(); i++) {
@@ -129,8 +120,7 @@ CommandPlanner::silence(Time time)
 void
 CommandPlanner::silenced(Time time)
 {
-  blocks_.restart();
-  std::ranges::fill(cells_, Cell{});
+  blocks_.silence();
   for (Tactor &tactor : tactors_) {
     if (tactor.use.is_on() && tactor.end.time < time) {
       spend(tactor, tactor.end.time, tactor.end.limit);
@@ -171,39 +161,11 @@ CommandPlanner::limited() const
   return limited_;
 }
 
-/// Whether a cell is stronger than in the present block, plainly.
-bool
-CommandPlanner::is_stronger(std::span<const float> levels) const
-{
-  if (settings_.compensation == Compensation::frame_block)
-    return false;
-  for (std::size_t cell = 0; cell < levels.size(); cell++)
-    if (levels[cell] > kStronger * cells_[cell].level)
-      return true;
-  return false;
-}
-
-/// The levels of the block that begins with this map. Ahead of its time, it leaves what has not
-/// been felt for a block as it is.
-void
-CommandPlanner::take(Time time, std::span<const float> levels, bool early)
-{
-  for (std::size_t cell = 0; cell < levels.size(); cell++) {
-    Cell &felt = cells_[cell];
-    const float level = levels[cell] > 0 ? std::min(levels[cell], 1.0F) : 0.0F; // NaN is 0
-    const bool goes_on
-        = early && felt.level > level
-          && std::chrono::duration<double>(time - felt.since).count() * settings_.rate < 1;
-    if (!goes_on)
-      felt = { level, time };
-  }
-}
-
 std::vector<double>
 CommandPlanner::target_volts() const
 {
   std::vector<double> volts(tactors_.size(), 0.0);
-  for (std::size_t cell = 0; cell < cells_.size(); cell++) {
+  for (std::size_t cell = 0; cell < blocks_.cells(); cell++) {
     const std::vector<int> &mapping = settings_.mapping;
     const int tactor = mapping.empty()         ? static_cast<int>(cell)
                        : cell < mapping.size() ? mapping[cell]
@@ -211,8 +173,8 @@ CommandPlanner::target_volts() const
     if (tactor < 0 || static_cast<std::size_t>(tactor) >= volts.size())
       continue;
     const auto index = static_cast<std::size_t>(tactor);
-    volts[index] = std::max(volts[index],
-                            wanted_volts(tactors_[index], static_cast<double>(cells_[cell].level)));
+    volts[index] = std::max(
+        volts[index], wanted_volts(tactors_[index], static_cast<double>(blocks_.level(cell))));
   }
   for (std::size_t i = 0; i < volts.size(); i++) {
     const MotorParameters &motor = tactors_[i].motor.parameters();

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "nanoseconds.h"
-#include "tactor/block_grid.h"
 #include "tactor/command.h"
+#include "tactor/felt_blocks.h"
 #include "tactor/motor_limits.h"
 #include "tactor/motor_model.h"
 #include "tactor/planner_settings.h"
@@ -19,9 +19,7 @@ namespace tactor {
 /// Turns the stream of tactile maps into commands. All times are running times; maps come in order
 /// of time. Not thread-safe: tactorsink's streaming thread has it.
 ///
-/// A block of BlockGrid has the levels of its first map. A map with a cell that is stronger by half
-/// begins a block at once, so that no cue is lost or late at any rate; cells that were not felt for
-/// a whole block yet go on in it. With Compensation::frame_block, blocks are those of the grid
+/// Maps are taken in FeltBlocks. With Compensation::frame_block, blocks are those of the grid
 /// alone, as in the paper. The grid begins anew after silence(), reset() and a change of rate,
 /// mapping or number of cells.
 ///
@@ -107,15 +105,6 @@ private:
     std::vector<Command> commands{};
   };
 
-  /// What is felt of a cell in the present block.
-  struct Cell
-  {
-    float level = 0;
-    Time since{ 0 };
-  };
-
-  bool is_stronger(std::span<const float> levels) const;
-  void take(Time time, std::span<const float> levels, bool early);
   Plan begin_plan(Time effect, Time frame);
   std::vector<double> target_volts() const;
 
@@ -139,8 +128,7 @@ private:
   LimitCounters limited_;
   std::optional<Time> restarts_after_; ///< running time restarts; the last one before
   Time account_begin_ = Time::min();   ///< first running time since the last reset()
-  BlockGrid blocks_;
-  std::vector<Cell> cells_; ///< as many as the last map has
+  FeltBlocks blocks_;
 };
 
 } // namespace tactor

@@ -19,8 +19,9 @@ namespace {
 /// What picture and sound may be apart in a file.
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
 
-/// Raised where the same film gets another track within one version. 2: times from 0:00 on.
-constexpr const char *kAnalysis = "2";
+/// Raised where the same film gets another track within one version. 2: times from 0:00 on. 3:
+/// blocks that begin with what becomes stronger.
+constexpr const char *kAnalysis = "3";
 
 } // namespace
 
@@ -77,15 +78,11 @@ film_map(GstSample *sample, Time start)
 }
 
 bool
-BlockSampler::takes(const FilmMap &map)
+BlockSampler::takes(FilmMap &map)
 {
-  const bool is_first = !first_;
-  if (is_first)
-    first_ = map.begin;
-  const Time middle = map.begin + (map.end - map.begin) / 2;
-  const auto passed = std::chrono::duration<double>(middle - *first_).count();
-  if (!is_first && rate_ > 0 && passed * rate_ < static_cast<double>(next_block_))
-    return map.at_once;
-  next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
+  if (!blocks_.take({ map.begin, map.end - map.begin, map.map.levels, map.at_once }, rate_))
+    return false;
+  for (std::size_t i = 0; i < map.map.levels.size(); i++)
+    map.map.levels[i] = blocks_.level(i);
   return true;
 }

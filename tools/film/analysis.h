@@ -6,10 +6,10 @@
 
 #include "nanoseconds.h"
 #include "tactile/tactile_map.h"
+#include "tactor/felt_blocks.h"
 
 #include <gst/gst.h>
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -43,9 +43,8 @@ struct FilmMap
 /// None for a sample that is no map in the film, whose time 0 is at this stream time.
 std::optional<FilmMap> film_map(GstSample *sample, visuotactile::Time start);
 
-/// Which maps of a stream are felt. As tactorsink does, it samples them in blocks of 1 / rate: a
-/// block begins with the first map more than half of which lies after the block's start, and has
-/// that map's levels. Maps of the sound are taken at once.
+/// What is felt of a stream of maps: blocks, as tactorsink takes them. Maps of the sound are taken
+/// at once.
 class BlockSampler
 {
 public:
@@ -53,11 +52,10 @@ public:
   {
   }
 
-  /// Whether this map takes the place of the one before. In order of time.
-  bool takes(const FilmMap &map);
+  /// Whether this map, in order of time, begins a block. It then has the block's levels.
+  bool takes(FilmMap &map);
 
 private:
   double rate_;
-  std::optional<visuotactile::Time> first_;
-  std::int64_t next_block_ = 0;
+  tactor::FeltBlocks blocks_;
 };

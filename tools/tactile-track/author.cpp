@@ -46,7 +46,7 @@ public:
   }
 
   /// An error where the track is full.
-  tl::expected<void, tactile::FormatError> add(const FilmMap &map)
+  tl::expected<void, tactile::FormatError> add(FilmMap map)
   {
     if (sampler_.takes(map))
       if (auto appended = track_.append(std::max(map.begin, track_.end()), map.map); !appended)
