@@ -22,7 +22,7 @@ public:
     Time time;
     Time duration;
     std::span<const float> levels; ///< row-major in [0, 1]; others are clamped, NaN is 0
-    bool at_once = false;          ///< a block of its own levels alone, which leaves the grid as it is
+    bool at_once = false; ///< a block with its own levels alone, which leaves the grid as it is
   };
 
   /// The next map begins a grid.
