@@ -135,9 +135,10 @@ run_tests "$processes" "$@" || status=$?
 passed=$(count Ok); failed=$(count Fail); timeouts=$(count Timeout); unexpected=$(count 'Unexpected Pass'); skipped=$(count Skipped)
 failed=$((${failed:-0} + ${timeouts:-0} + ${unexpected:-0}))
 
-# Browsers, players and servers that share a busy computer with other tests can miss a moment. Few such failures are run once more, alone, and named.
+# Browsers, players and servers that share a busy computer with other tests can miss a moment. In a run of everything, few such failures are run
+# once more, alone, and named. Sanitizers' findings are not.
 again=()
-if [ "$status" -ne 0 ]; then
+if [ "$status" -ne 0 ] && [ "$directory" = "$root/build" ] && [ $# -eq 0 ]; then
   mapfile -t again < <(failures)
 fi
 unsteady=

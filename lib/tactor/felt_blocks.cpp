@@ -52,7 +52,7 @@ bool
 FeltBlocks::is_stronger(std::span<const float> levels) const
 {
   for (std::size_t i = 0; i < levels.size(); i++)
-    if (levels[i] > kStronger * cells_[i].level)
+    if (std::min(levels[i], 1.0F) > kStronger * cells_[i].level)
       return true;
   return false;
 }

@@ -11,8 +11,9 @@
 namespace tactor {
 
 /// The levels of each block of BlockGrid. A block has the levels of its first map. A map with a
-/// cell that is stronger by half begins a block at once, so that no cue is lost or late at any
-/// rate; cells that were not felt for a whole block yet go on in it. Not thread-safe.
+/// cell that is stronger by half begins a block at once, so that a cue that begins in a silent cell
+/// is neither lost nor late at any rate; cells that were not felt for a whole block yet go on in
+/// it. Not thread-safe.
 class FeltBlocks
 {
 public:
@@ -21,7 +22,7 @@ public:
     Time time;
     Time duration;
     std::span<const float> levels; ///< row-major in [0, 1]; others are clamped, NaN is 0
-    bool at_once = false;          ///< a block of its own, which leaves the others as they are
+    bool at_once = false; ///< a block with its own levels alone, which leaves the grid as it is
   };
 
   /// The next map begins a grid.

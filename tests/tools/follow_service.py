@@ -388,7 +388,8 @@ def ways_out():
         """The computer may when the motors are at zero."""
         logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [True], dbus_interface=dbusmock.MOCK_IFACE)
         wait_until("that it may sleep", lambda: not inhibitors())
-        assert vest.is_silent(), "it may sleep while a motor is on"
+        # On a busy computer the vest's lines come later than its server's answer.
+        wait_until("silence when it may sleep", vest.is_silent)
 
     def lock():
         own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)

@@ -40,8 +40,10 @@ Follower::Follower(const FollowSettings &settings)
                                         },
                                     .chosen =
                                         [this] {
-                                          tell(current_->player->name() + " plays '"
-                                               + film_name(film_) + "' with " + film_track_.what());
+                                          if (current_ != nullptr)
+                                            tell(current_->player->name() + " plays '"
+                                                 + film_name(film_) + "' with "
+                                                 + film_track_.what());
                                         },
                                     .probed = [this] { cues_.change_player(); },
                                     .told =
@@ -260,12 +262,16 @@ Follower::reported(const std::string &key, const Report &report)
   // Not the next film of a list, nor a player of music behind the locked screen.
   Followed &player = found->second;
   const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
+  const bool begins = !player.has_played && report.doing == Doing::playing;
+  player.has_played = player.has_played || begins;
   if (report.doing != Doing::stalled)
-    player.was_paused = report.doing == Doing::paused;
+    player.was_paused = player.has_played && report.doing == Doing::paused;
   player.last = report;
   if (goes_on && session_)
     session_->somebody_is_there();
   update();
+  if (begins && &player == current_)
+    open_chair();
 }
 
 /// Its own function calls this, so that it is removed by the next tick.
@@ -294,7 +300,9 @@ Follower::choose()
     return;
   for (const Doing doing : { Doing::playing, Doing::paused })
     for (auto &[key, followed] : players_)
-      if (is(followed, doing) && (doing == Doing::playing || current_ == nullptr)) {
+      if (is(followed, doing)
+          && (doing == Doing::playing || current_ == nullptr
+              || current_->last.doing == Doing::stopped)) {
         if (std::exchange(current_, &followed) != &followed) {
           cues_.change_player();
           set_delay();
@@ -326,7 +334,8 @@ Follower::change_track(std::shared_ptr<const tactile::Draft> track)
 void
 Follower::open_chair()
 {
-  if (!track_ || rests_)
+  // Until the film plays, others may have the chair.
+  if (!track_ || rests_ || current_ == nullptr || !current_->has_played)
     return;
   try {
     chair_.open(track_->rows(), track_->columns());

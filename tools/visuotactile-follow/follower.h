@@ -62,6 +62,7 @@ private:
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
     bool was_paused = false; ///< and has not gone on yet
+    bool has_played = false; ///< since it is there
     bool is_gone = false;
     std::string told{}; ///< its fault or remark, as the user knows it
   };

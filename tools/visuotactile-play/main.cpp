@@ -254,7 +254,7 @@ print_report(const Film &film, const PlayReport &report)
   std::printf("%s\n", !film.has_sound ? ", no sound"
                       : report.silent ? ", with sound that cannot be decoded"
                                       : ", with sound");
-  std::printf("Played         %.1f s", seconds);
+  std::printf("Played         %s%.1f s", report.moved ? "to " : "", seconds);
   if (GST_CLOCK_TIME_IS_VALID(film.duration))
     std::printf(" of %.1f s", static_cast<double>(film.duration) / GST_SECOND);
   if (report.stopped)
@@ -267,19 +267,20 @@ print_report(const Film &film, const PlayReport &report)
                   < 0.98 * static_cast<double>(film.duration) - 0.25 * GST_SECOND)
     std::printf("Film broken    it ends here, before the length in its header: is the file "
                 "truncated?\n");
-  std::printf("Frames         %llu, of which %llu are felt\n", number(report.analysis, "frames"),
-              number(report.analysis, "active"));
+  std::printf("Frames         %llu, of which %llu are felt\n",
+              number(report.analysis.get(), "frames"), number(report.analysis.get(), "active"));
   std::printf("Analysis       %.2f ms per frame (longest %.2f ms)\n",
-              milliseconds(report.analysis, "analysis-mean"),
-              milliseconds(report.analysis, "analysis-max"));
+              milliseconds(report.analysis.get(), "analysis-mean"),
+              milliseconds(report.analysis.get(), "analysis-max"));
   if (report.chair == nullptr)
     return;
   std::printf("Commands       %llu issued, %llu late, %llu coalesced\n",
-              number(report.chair, "issued"), number(report.chair, "late"),
-              number(report.chair, "coalesced"));
+              number(report.chair.get(), "issued"), number(report.chair.get(), "late"),
+              number(report.chair.get(), "coalesced"));
   std::printf("Schedule error %.2f ms p50, %.2f ms p99, %.2f ms max\n",
-              milliseconds(report.chair, "error-p50"), milliseconds(report.chair, "error-p99"),
-              milliseconds(report.chair, "error-max"));
+              milliseconds(report.chair.get(), "error-p50"),
+              milliseconds(report.chair.get(), "error-p99"),
+              milliseconds(report.chair.get(), "error-max"));
 }
 
 /// As a launch line has it, in any locale.
@@ -373,7 +374,8 @@ run(const Options &options)
   if (options.print_pipeline) {
     if (writes) {
       settings.recording = directory / kRecording;
-      settings.commands = directory / kCommands;
+      if (settings.has_trace)
+        settings.commands = directory / kCommands;
     }
     std::puts(shell_command(film, settings).c_str());
     return 0;

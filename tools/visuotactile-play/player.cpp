@@ -26,6 +26,14 @@ constexpr guint kDrainSeconds = 3;
 /// How long the recording may then take to be completed.
 constexpr guint kFinishSeconds = 2;
 
+Stats
+stats_of(GstElement *element, const char *name)
+{
+  GstStructure *stats = nullptr;
+  g_object_get(element, name, &stats, nullptr);
+  return Stats(stats);
+}
+
 /// One run: the pipeline, its main loop and the report.
 class Run
 {
@@ -90,9 +98,9 @@ public:
     gst_element_set_state(pipeline_.get(),
                           GST_STATE_PAUSED); // motors to zero before anything else is taken down
     progress_.clear();
-    g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
+    report_.analysis = stats_of(analysis_.get(), "stats");
     if (settings_.has_trace)
-      g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
+      report_.chair = stats_of(chair_.get(), "actuation-stats");
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
@@ -233,14 +241,18 @@ private:
         GST_CLOCK_TIME_IS_VALID(film_.duration)
             ? film_.duration - std::min<GstClockTime>(film_.duration, GST_SECOND)
             : G_MAXINT64);
-    const gint64 to = std::clamp<gint64>(
-        static_cast<gint64>(shown_.load()) + seconds * static_cast<gint64>(GST_SECOND), 0, end);
+    const gint64 to = std::clamp<gint64>(static_cast<gint64>(shown_.load())
+                                             + seconds * static_cast<gint64>(GST_SECOND),
+                                         0, std::max(end, static_cast<gint64>(shown_.load())));
+    // A sink without a stream would refuse it; the demuxer moves all streams.
+    const Owned<GstElement> overlay = element(pipeline_, "overlay");
     if (!gst_element_seek_simple(
-            pipeline_.get(), GST_FORMAT_TIME,
+            silent_.load() ? overlay.get() : pipeline_.get(), GST_FORMAT_TIME,
             static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
       say("This film cannot be moved to another time");
       return;
     }
+    report_.moved = true;
     shown_ = static_cast<GstClockTime>(to); // the next key may come before a frame
     say(clock_time(static_cast<GstClockTime>(to))
         + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? " of " + clock_time(film_.duration) : ""));
@@ -322,6 +334,8 @@ private:
   {
     if (std::exchange(report_.stopped, true))
       end_at_once(); // the second Ctrl-C
+    else if (paused_)
+      end_at_once(); // nothing more is played
     else
       end();
     return G_SOURCE_CONTINUE;
@@ -482,22 +496,6 @@ private:
 };
 
 } // namespace
-
-PlayReport::~PlayReport()
-{
-  if (analysis)
-    gst_structure_free(analysis);
-  if (chair)
-    gst_structure_free(chair);
-}
-
-PlayReport::PlayReport(PlayReport &&other) noexcept
-    : played(other.played), stopped(other.stopped), recorded(other.recorded), silent(other.silent),
-      failure(std::move(other.failure)), ended_early(std::move(other.ended_early)),
-      position(other.position), reached(other.reached),
-      analysis(std::exchange(other.analysis, nullptr)), chair(std::exchange(other.chair, nullptr))
-{
-}
 
 PlayReport
 play(const Film &film, const PlaySettings &settings, Strip *strip)

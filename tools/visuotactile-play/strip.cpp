@@ -134,7 +134,7 @@ Strip::offer(GstBuffer *buffer, GstCaps *caps, GstClockTime stream_time)
   }
   early_ = !its_turn;
   if (its_turn)
-    next_ += step_;
+    next_ += ((stream_time - next_) / step_ + 1) * step_; // after a seek, several turns later
   else
     next_early_ = stream_time + kEarlyStep;
   // A deep copy: decoders' pools are small.

@@ -37,9 +37,9 @@ read_hasp(std::string_view text, const std::string &name, std::vector<std::strin
   const JsonMembers root = document->root(error);
   const std::size_t count = root.size("clips");
   std::string open_clip;
-  if (root.has("state"))
-    if (const char *id = root.object("state").find_text("clipId"))
-      open_clip = id;
+  FirstError without_state; // the first clip is read then
+  if (const char *id = document->root(without_state).object("state").find_text("clipId"))
+    open_clip = id;
   std::vector<std::string> names;
   std::optional<std::size_t> chosen;
   for (std::size_t i = 0; i < count && !error; i++) {
