@@ -95,6 +95,15 @@ replaces() {
   expect_all a/b 0.03 0.04
 }
 
+# Its second part begins at 0 again.
+built_in() {
+  play
+  expect_status 0
+  expect_line out '^Played +25\.0 s of 25\.0 s$'
+  ! grep -q '^Film broken' out || fail "$(cat out)"
+  expect_only . out err
+}
+
 # Without --output nothing is written.
 writes_nothing() {
   play "$work/sound.mkv"
@@ -119,6 +128,7 @@ film variable.mkv "$(picture 160 120 I420 15) ! c. $(picture 160 120 I420 6 | se
 # An unknown codec.
 sed 's/A_VORBIS/A_XORBIS/' sound.mkv >undecodable_sound.mkv
 
+start built_in built_in
 start silent records silent.mkv "160 120 video"
 start sound records sound.mkv "160 120 video audio"
 start ogg records sound.ogv "160 120 video audio"

@@ -145,8 +145,10 @@ private:
       return GST_CLOCK_TIME_NONE;
     const GstSegment *segment;
     gst_event_parse_segment(event, &segment);
-    const GstClockTime time
+    GstClockTime time
         = gst_segment_to_stream_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    if (GST_CLOCK_TIME_IS_VALID(time) && segment->time == 0)
+      time += segment->base; // of the synthetic film, the second part begins at 0 again
     gst_event_unref(event);
     return time;
   }
