@@ -28,7 +28,7 @@ shown() {
   expect_strip o/strip.png
 }
 
-# press WIDTH KEY ...: in the window of a film that is as wide, when it is there
+# press WIDTH KEY ...: in the window of a film that is as wide, or of the synthetic film (640), when it is there
 press() {
   (
     for ((i = 0; i < 40; i++)); do
@@ -37,11 +37,13 @@ press() {
     done
     "$PYTHON" "$here/press_keys.py" "$@" >pressed 2>&1
   ) &
-  play "$work/long$1.mkv"
+  film=()
+  [ ! -e "$work/long$1.mkv" ] || film=("$work/long$1.mkv")
+  play "${film[@]}"
   wait
   expect_status 0
   [ ! -s pressed ] || fail "$(cat pressed)"
-  grep -E '^(Sensitivity|Intensity|Vibration|Paused|Playing from|[0-9:]+ of )' err >got || true
+  grep -E '^(Sensitivity|Intensity|Vibration|Paused|Playing from|This film|[0-9:]+ of )' err >got || true
 }
 
 expect_said() {
@@ -101,6 +103,12 @@ no_such_display() {
 
 film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
+# The synthetic film is two that are joined.
+not_moved() {
+  press 640 Right q
+  expect_said "This film cannot be moved to another time"
+}
+
 for width in 177 181; do
   film "long$width.mkv" "$(picture "$width" 120 I420 450 | sed s,30/1,5/1,) ! vp8enc deadline=1 ! matroskamux"
 done
@@ -112,6 +120,7 @@ start sound shown sound.mkv
 start odd_size shown odd.mkv
 start turned turned
 start moved moved
+start not_moved not_moved
 start broken broken
 start not_shown not_shown
 start no_such_display no_such_display

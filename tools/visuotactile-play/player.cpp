@@ -248,7 +248,9 @@ private:
                                          0, std::max(end, static_cast<gint64>(shown_.load())));
     // A sink without a stream would refuse it; the demuxer moves all streams.
     const Owned<GstElement> overlay = element(pipeline_, "overlay");
-    if (!gst_element_seek_simple(
+    // The synthetic film is two that are joined, each with its own time.
+    if (film_.uri.empty()
+        || !gst_element_seek_simple(
             silent_.load() ? overlay.get() : pipeline_.get(), GST_FORMAT_TIME,
             static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
       say("This film cannot be moved to another time");
