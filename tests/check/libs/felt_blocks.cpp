@@ -79,6 +79,19 @@ GST_START_TEST(test_frame_block)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_levels_out_of_range)
+{
+  // What is as strong as can be does not become stronger.
+  FeltBlocks blocks;
+  for (int frame = 0; frame < 18; frame++)
+    fail_unless(
+        blocks.take({ kThirty.frame(frame), kThirty.duration(frame), std::vector{ 2.0F } }, kRate)
+            == (frame % 6 == 0),
+        "frame %d", frame);
+  fail_unless(blocks.level(0) == 1);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_at_once)
 {
   // A map of the sound is a block of its own and leaves the grid as it is.
@@ -104,6 +117,7 @@ felt_blocks_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_a_track_is_felt_as_its_film);
   tcase_add_test(tests, test_frame_block);
+  tcase_add_test(tests, test_levels_out_of_range);
   tcase_add_test(tests, test_at_once);
   return suite;
 }
