@@ -17,7 +17,7 @@ people_mode_type()
 {
   static const char *const kName = "GstSaliencyTactilePeople";
   static const GEnumValue values[] = {
-    { static_cast<gint>(PeopleMode::off), "Not at all", "off" },
+    { static_cast<gint>(PeopleMode::off), "No faces", "off" },
     { static_cast<gint>(PeopleMode::fast), "Faces from about a sixteenth of the picture on",
       "fast" },
     { static_cast<gint>(PeopleMode::thorough), "Smaller faces too, for twice the work",

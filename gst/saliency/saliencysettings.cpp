@@ -25,7 +25,7 @@ viewport_type()
 {
   static const GEnumValue values[] = {
     { static_cast<gint>(ViewportMode::fixed), "The whole picture", "fixed" },
-    { static_cast<gint>(ViewportMode::adaptive), "Where things have lately happened", "adaptive" },
+    { static_cast<gint>(ViewportMode::adaptive), "The part with recent events", "adaptive" },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstSaliencyTactileViewport", values);
@@ -67,8 +67,8 @@ constexpr P kProperties[] = {
                    PROPERTY_FIELD(rows), kGridSides),
   P::number<guint>("columns", "Columns of the tactile map (unset: those of the device, or 3)",
                    kPlaying, PROPERTY_FIELD(columns), kGridSides),
-  P::flag("temporal", "Feel what changes, rather than what stands out in a still picture",
-          kControllable, PROPERTY_FIELD(temporal)),
+  P::flag("temporal", "Analyze changes in time instead of still pictures", kControllable,
+          PROPERTY_FIELD(temporal)),
   P::number<gdouble>("threshold",
                      "Share of the frame's strongest cell (profile=paper: pixel) up to which "
                      "others are silent",
@@ -94,8 +94,8 @@ constexpr P kProperties[] = {
       "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "
       "* for others",
       kPlaying),
-  P::choice("people", "Look for faces, and feel first what happens in them; not with profile=paper",
-            kPlaying, PROPERTY_FIELD(people), people_mode_type),
+  P::choice("people", "Detect faces and prefer events in them; not with profile=paper", kPlaying,
+            PROPERTY_FIELD(people), people_mode_type),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
   P::choice("video-direction",
@@ -112,7 +112,7 @@ constexpr P kProperties[] = {
   P::number<gdouble>("max-rate",
                      "Frames to analyze per second; others repeat the last map (0 = all)", kPlaying,
                      PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
-  P::flag("keep-maps", "Leave frames that carry a map already as they are", kPlaying,
+  P::flag("keep-maps", "Do not analyze frames that already have a map", kPlaying,
           PROPERTY_FIELD(keep_maps)),
   P::number<guint>("n-threads",
                    "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,

@@ -210,7 +210,7 @@ gst_tactor_audio_sink_class_init(GstTactorAudioSinkClass *klass)
   g_object_class_install_property(
       object_class, kAudioSink,
       g_param_spec_object("audio-sink", nullptr,
-                          "What plays the sound, from the next start on (unset: autoaudiosink)",
+                          "Audio sink, from the next start on (unset: autoaudiosink)",
                           GST_TYPE_ELEMENT, kFlags));
   g_object_class_install_property(
       object_class, kChannels,

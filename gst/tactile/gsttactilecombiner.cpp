@@ -392,7 +392,7 @@ mix_type(void)
 
 using P = properties::Property<CombinerSettings>;
 static constexpr P kProperties[] = {
-  P::choice("mix", "What becomes of a map that a frame carries already", properties::kPlaying,
+  P::choice("mix", "Treatment of a map that a frame already has", properties::kPlaying,
             PROPERTY_FIELD(mix), mix_type),
   P::number<gint64>("offset", "Time in ns by which the track is felt later; earlier if negative",
                     properties::kPlaying, PROPERTY_FIELD(offset),

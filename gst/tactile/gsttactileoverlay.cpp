@@ -237,8 +237,8 @@ gst_tactile_overlay_start(GstBaseTransform *transform)
 
 using P = properties::Property<OverlaySettings>;
 static constexpr P kProperties[] = {
-  P::choice("style", "What is drawn into the picture", properties::kControllable,
-            PROPERTY_FIELD(style), style_type),
+  P::choice("style", "Kind of drawing", properties::kControllable, PROPERTY_FIELD(style),
+            style_type),
   P::number<gdouble>("opacity",
                      "How much of the picture a full level covers in the styles grid and heatmap",
                      properties::kControllable, PROPERTY_FIELD(opacity), P::Range{ 0, 1 }),

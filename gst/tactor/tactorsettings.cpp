@@ -46,12 +46,11 @@ using properties::kPlaying;
 using properties::kReady;
 
 constexpr P kProperties[] = {
-  P::text(
-      "driver",
-      "What drives the tactors: auto (firmata if a board is there, else simulator), firmata (any "
-      "board with StandardFirmata), seat (one with the watchdog firmware), gamepad (rumble "
-      "motors), bhaptics (a vest), intiface (a device that is named), simulator (no hardware)",
-      kReady, PROPERTY_FIELD(driver)),
+  P::text("driver",
+          "Driver: auto (firmata if a board is there, else simulator), firmata (any "
+          "board with StandardFirmata), seat (one with the watchdog firmware), gamepad (rumble "
+          "motors), bhaptics (a vest), intiface (a device that is named), simulator (no hardware)",
+          kReady, PROPERTY_FIELD(driver)),
   P::text(
       "device",
       "Board, by serial number or bus path (unset: the first that answers); gamepad, by path or "

@@ -17,7 +17,7 @@ namespace {
 
 constexpr Key kKeys[] = {
   { kEnabled, Kind::flag, false, "Whether the program's films are felt" },
-  { "driver", Kind::text, false, "What drives the tactors, such as firmata or gamepad" },
+  { "driver", Kind::text, false, "Driver, such as firmata or gamepad" },
   { "device", Kind::text, false, "Which board or gamepad" },
   { kGrid, Kind::grid, false, "Rows x columns of the tactile map" },
   { "mapping", Kind::text, false, "Tactor of each cell, row by row, -1 for none, as in 2,1,0" },
@@ -26,7 +26,7 @@ constexpr Key kKeys[] = {
   { "mute", Kind::flag, true, "All motors at zero" },
   { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
   { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
-  { "people", Kind::choice, false, "Look for faces, and feel first what happens in them", 0, 0,
+  { "people", Kind::choice, false, "Detect faces and prefer events in them", 0, 0,
     "off, fast, thorough" },
   { "sound", Kind::choice, true, "What is felt of the sound, in programs that pass it on", 0, 0,
     "off, film, music, dialogue-heavy, bass-shaker" },

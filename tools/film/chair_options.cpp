@@ -8,12 +8,12 @@ ChairOptions::entries()
 {
   return { {
       { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-        "What is felt: a driver of tactorsink (default: auto)", "NAME" },
-      { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Which device of the driver", "ID" },
+        "Driver of tactorsink (default: auto)", "NAME" },
+      { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Device of the driver", "ID" },
       { "mapping", 0, 0, G_OPTION_ARG_STRING, &mapping.value, "Tactor of each cell, such as 2,1,0",
         "TACTORS" },
       { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &calibration.value,
-        "Your motors, as tactor-calibrate has measured them", "FILE" },
+        "Calibration file of tactor-calibrate", "FILE" },
       { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &intensity,
         "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
       { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value, "Write all commands to a CSV file",

@@ -10,7 +10,7 @@
 
 /// The option `--sound`: its help, and what it says. nullptr for "off". Throws UsageError.
 inline constexpr const char *kSoundHelp
-    = "What is felt of the sound: off (default), film, music, dialogue-heavy or bass-shaker";
+    = "Profile of the sound: off (default), film, music, dialogue-heavy or bass-shaker";
 const fusion::Profile *sound_profile(const std::string &name);
 
 /// A film's sound in a launch line: a queue `heard`, audioconvert `sound`, and where it is felt,

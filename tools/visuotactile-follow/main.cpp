@@ -54,42 +54,41 @@ read_command_line(int argc, char **argv, Options &options)
 {
   const GOptionEntry entries[] = {
     { "mpv", 0, 0, G_OPTION_ARG_FILENAME, &options.mpv.value,
-      "Follow mpv at its socket, as mpv's --input-ipc-server names it (default: mpv.sock in "
+      "Follow mpv at the socket of its --input-ipc-server (default: mpv.sock in "
       "$XDG_RUNTIME_DIR)",
       "SOCKET" },
     { "mpris", 0, 0, G_OPTION_ARG_STRING, &options.mpris.value,
-      "Follow this player on the session bus, as --list-players prints it", "NAME" },
+      "Follow this player on the session bus, a name that --list-players prints", "NAME" },
     { "kodi", 0, 0, G_OPTION_ARG_STRING, &options.kodi.value,
-      "Follow Kodi at its JSON-RPC, such as localhost (default port: 9090)", "HOST[:PORT]" },
+      "Follow Kodi through JSON-RPC on this host (default port: 9090)", "HOST[:PORT]" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Folder of tracks for films that have none beside them", "DIR" },
-    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "End when a player that was there is gone",
-      nullptr },
+      "Folder of tracks for films without a track beside them", "DIR" },
+    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "Exit when the player exits", nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
-      "Make no drafts of films that have no track", nullptr },
+      "Make no drafts for films without a track", nullptr },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "sync-to", 0, 0, G_OPTION_ARG_STRING, &options.sync_to.value,
-      "What of the film the chair is in sync with: screen or sound (default: screen)", "WHAT" },
+      "Synchronize the chair with the screen or the sound (default: screen)", "screen|sound" },
     { "screen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.screen_latency,
-      "Delay from when a player shows a picture until it is seen, in ms, -5000 to 5000 "
+      "Time until a picture of the player is visible, in ms, -5000 to 5000 "
       "(default: 0)",
       "MS" },
     { "sound-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.sound_latency,
-      "Delay from when a player shows a picture until its sound is heard, in ms, -5000 to 5000 "
-      "(default: as measured with each player)",
+      "Time until the sound of a picture is audible, in ms, -5000 to 5000 "
+      "(default: measured with each player)",
       "MS" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
-      "Print what the visuotactile-follow that runs does, and exit", nullptr },
+      "Print the state of the running visuotactile-follow, and exit", nullptr },
     { "nudge", 'n', 0, G_OPTION_ARG_DOUBLE, &options.nudge,
-      "Let the one that runs be felt so much later, in ms, with the player that it follows; "
-      "negative: earlier. It is remembered. Then exit",
+      "Delay the vibration of the running visuotactile-follow, in ms (negative: advance it), "
+      "store the sum for this kind of player, and exit",
       "MS" },
     { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
-      "Let the one that runs pass over the film's faulty track, as it is now, and look on: for "
-      "another track, or a draft. Then exit",
+      "Make the running visuotactile-follow skip the film's faulty track in its present form, "
+      "for another track or a draft, and exit",
       nullptr },
     { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
-      "Print the players that are there, and exit", nullptr },
+      "Print the running players, and exit", nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
@@ -97,15 +96,15 @@ read_command_line(int argc, char **argv, Options &options)
   parse_options(
       argc, argv, entries, options.common,
       { .arguments = "",
-        .summary = "Plays the track of a film on the chair, in sync with the film that another\n"
-                   "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
-                   "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
-                   "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
+        .summary = "Plays the track of a film on the chair, in sync with the film in another\n"
+                   "program: mpv, Kodi, VLC, a browser and other players that report their\n"
+                   "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus.\n"
+                   "Without --mpv, --kodi and --mpris, any player that plays is followed.\n\n"
                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                   "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
-                   "Of other films on this computer a draft is made while they play.\n\n"
-                   "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
-                   "10 ms later, SIGUSR2 10 ms earlier.",
+                   "beside it, in the film, or in the folder of --tracks; tactile-track makes it.\n"
+                   "For other films on this computer, a draft is made while they play.\n\n"
+                   "Ctrl-C stops the program and all motors. SIGUSR1 delays the vibration by\n"
+                   "10 ms, SIGUSR2 advances it by 10 ms.",
         .least = 0,
         .most = 0,
         .force_help = Usage::kWritesNothing,

@@ -191,14 +191,14 @@ int
 switch_on(int argc, char **argv)
 {
   return enable(argc, argv, "true",
-                "Lets films of these programs, such as totem, be felt. Without a PROGRAM: of "
-                "all\nthat play with GStreamer.");
+                "Enables the chair in these programs, such as totem. Without a PROGRAM: in all\n"
+                "that play with GStreamer.");
 }
 
 int
 switch_off(int argc, char **argv)
 {
   return enable(argc, argv, "false",
-                "Lets films of these programs only be shown. Without a PROGRAM: of all that are "
-                "not\nswitched on by name.");
+                "Disables the chair in these programs. Without a PROGRAM: in all that are not\n"
+                "enabled by name.");
 }

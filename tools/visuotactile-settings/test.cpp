@@ -36,14 +36,15 @@ test(int argc, char **argv)
   TextOption driver;
   CommonOptions common;
   const GOptionEntry entries[] = { { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-                                     "What drives the tactors (default: as set)", "NAME" },
+                                     "Driver of the tactors (default: from the settings)", "NAME" },
                                    {} };
   parse_options(argc, argv, entries, common,
                 { .arguments = "",
-                  .summary = "Drives one tactor after the other for half a second, with the "
-                             "settings of all\nprograms, row by row from the top left; of a "
-                             "gamepad, a vest or a device of "
-                             "Intiface,\none motor after the other. Names each as it begins.",
+                  .summary
+                  = "Drives one tactor after the other for half a second, with the "
+                    "settings of all\nprograms, row by row from the top left, or each motor "
+                    "of a gamepad, a vest or a device of\nIntiface. Prints the name of "
+                    "each.",
                   .least = 0,
                   .most = 0,
                   .force_help = Usage::kWritesNothing });
