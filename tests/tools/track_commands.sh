@@ -386,8 +386,15 @@ forms() {
     track convert "there.$form" -o "again.$form"
     cmp "there.$form" "again.$form"
   done
-  track convert film.csv -o film.funscript
-  "$PYTHON" -m json.tool film.funscript >/dev/null
+  # One actuator: the strongest cell. The parts that are lost are printed.
+  for form in haptic ahap funscript; do
+    track convert film.csv -o "film.$form"
+    grep -q "not in 'film.$form': the place of each vibration" err || fail "$form"
+    "$PYTHON" -m json.tool "film.$form" >/dev/null
+    track convert "film.$form" -o one.csv
+    track convert one.csv -o "again.$form"
+    cmp "film.$form" "again.$form"
+  done
 }
 
 edits() {
@@ -667,7 +674,7 @@ start bad_shift refuses 2 "--shift" edit "$work/good.vtt" -o kept.vtt --shift=so
 start bad_mask refuses 2 "no cell r9c9" edit "$work/good.vtt" -o kept.vtt --mask=r9c9
 start bad_grid refuses 2 "--resample" edit "$work/good.vtt" -o kept.vtt --resample=0x65
 start bad_clip refuses 2 "--clip" edit "$work/good.vtt" -o kept.vtt --clip=2-1
-start funscript_in refuses 1 "one axis" convert "$work/good.vtt.funscript" -o kept.vtt
+start funscript_in refuses 1 "an array .actions." convert "$work/good.vtt.funscript" -o kept.vtt
 start bad_container refuses 2 "ends in .mkv" mux "$work/film.mkv" "$work/good.vtt" -o kept.avi
 start bad_picture refuses 2 ".png or .svg" plot "$work/good.vtt" -o kept.jpg
 finish

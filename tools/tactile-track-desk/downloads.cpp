@@ -140,9 +140,9 @@ void
 Routes::export_track(SoupServerMessage *message, std::string_view)
 {
   const std::string format = query_value(message, "format");
-  const auto known = tactile::track_format("track." + format);
+  const auto known = tactile::written_format("track." + format);
   if (!known)
-    return answer_error(message, 400, "expected format: vtt, csv, hjif, sem.xml or funscript");
+    return answer_error(message, 400, "format: " + known.error().reason);
   const desk::Document &document = session_.document();
   g_autoptr(GDateTime) now = g_date_time_new_now_utc();
   g_autofree gchar *date = g_date_time_format(now, "%Y-%m-%dT%H:%M:%S+00:00");

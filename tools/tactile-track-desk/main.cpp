@@ -52,7 +52,7 @@ track_beside(const std::string &film)
       free = name;
       continue;
     }
-    const std::string text = or_throw(tactile::read_track_text(name));
+    const std::string text = or_throw(tactile::read_track_text(name)).text;
     auto track = tactile::read_webvtt(text);
     if (track)
       return name;

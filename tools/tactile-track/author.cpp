@@ -185,8 +185,8 @@ public:
 private:
   static std::optional<tactile::DraftNote> note_of(const std::string &track)
   {
-    const auto bytes = tactile::read_track_text(track);
-    return bytes ? tactile::draft_note(*bytes) : std::nullopt;
+    const auto file = tactile::read_track_text(track);
+    return file ? tactile::draft_note(file->text) : std::nullopt;
   }
 
   /// On the streaming thread.
@@ -391,10 +391,10 @@ output_names(const std::vector<std::string> &films, const std::string &output,
 {
   std::error_code error;
   if (films.size() == 1 && !fs::is_directory(output, error)) {
-    or_throw(tactile::track_format(output));
+    or_throw(tactile::written_format(output));
     return { output };
   }
-  or_throw(tactile::track_format("x" + ending));
+  or_throw(tactile::written_format("x" + ending));
   prepare_directory(output);
   std::vector<std::string> names;
   std::set<std::string> taken;

@@ -66,7 +66,7 @@ extract(int argc, char **argv)
         .most = 1 });
   if (!output.is_set())
     throw UsageError("expected -o TRACK");
-  or_throw(tactile::track_format(output.text()));
+  or_throw(tactile::written_format(output.text()));
   gst_init(nullptr, nullptr);
   const std::string path = film_path(names[0]);
   refuse_same_file(path, output.text());

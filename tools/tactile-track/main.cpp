@@ -112,7 +112,7 @@ film_path(const std::string &name)
 void
 write_track_file(const tactile::Track &track, const std::string &path, const std::string &made_with)
 {
-  std::string bytes = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
+  std::string bytes = tactile::write_track(track, or_throw(tactile::written_format(path)), date());
   if (!made_with.empty())
     bytes = tactile::with_draft_note(std::move(bytes), made_with);
   write_bytes(bytes, path);

@@ -35,17 +35,21 @@ struct TrackFile
   std::string text;
   tactile::TrackFormat format;
   Track track;
+  std::vector<std::string> ignored; ///< parts of the file that a track cannot represent
 };
 
 TrackFile
 read_file(const std::string &path)
 {
-  const auto format = or_throw(tactile::track_format(path));
-  std::string text = or_throw(tactile::read_track_text(path));
-  Track track = or_throw(tactile::read_track(text, format).map_error([&](auto error) {
+  auto [text, format] = or_throw(tactile::read_track_text(path));
+  std::vector<std::string> ignored;
+  Track track = or_throw(tactile::read_track(text, format, &ignored).map_error([&](auto error) {
     return std::move(error).within("'" + path + "'");
   }));
-  return { .text = std::move(text), .format = format, .track = std::move(track) };
+  return { .text = std::move(text),
+           .format = format,
+           .track = std::move(track),
+           .ignored = std::move(ignored) };
 }
 
 /// Writes what became of a track. From WebVTT to WebVTT, what was not changed stays as it is.
@@ -53,10 +57,29 @@ void
 write_file(const TrackFile &file, const Track &track, Time offset, const std::string &path)
 {
   constexpr auto kText = tactile::TrackFormat::webvtt;
-  if (file.format != kText || or_throw(tactile::track_format(path)) != kText)
+  if (file.format != kText || or_throw(tactile::written_format(path)) != kText)
     return write_track_file(track, path);
   const tactile::Grid grid{ file.track.rows(), file.track.columns() };
   write_bytes(tactile::WebvttText(file.text, grid).with(track, offset), path);
+}
+
+/// What `path`, in its format, has not of the track, as nouns.
+std::vector<std::string>
+losses(const Track &track, const std::string &path)
+{
+  const auto read = tactile::read_track_file(path);
+  if (!read) // a format that is not read
+    return {};
+  const Track &written = *read;
+  std::vector<std::string> lost;
+  if (written.rows() != track.rows() || written.columns() != track.columns())
+    lost.push_back("the place of each vibration: it has the strongest cell of "
+                   + std::to_string(track.rows() * track.columns()));
+  else if (written.entries().size() != track.entries().size())
+    lost.emplace_back("changes within a millisecond");
+  if (track.rate() != 0 && written.rate() == 0)
+    lost.emplace_back("the rate");
+  return lost;
 }
 
 double
@@ -212,14 +235,20 @@ convert(int argc, char **argv)
       = parse_options(argc, argv, entries, common,
                       { .arguments = "IN -o OUT",
                         .summary = "Converts a track to the format that OUT's name ends in: .vtt "
-                                   "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V) or "
-                                   ".funscript (output only).",
+                                   "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V), "
+                                   ".haptic (Meta Haptics Studio),\n.ahap (Apple) or .funscript. "
+                                   "IN may also be .tact (bHaptics). The parts that are\nlost are "
+                                   "printed.",
                         .least = 1,
                         .most = 1 });
   if (!output.is_set())
     throw UsageError("expected -o OUT");
   const TrackFile file = read_file(tracks[0]);
   write_file(file, file.track, Time(0), output.text());
+  for (const std::string &part : file.ignored)
+    g_printerr("tactile-track: not read from '%s': %s\n", tracks[0].c_str(), part.c_str());
+  for (const std::string &part : losses(file.track, output.text()))
+    g_printerr("tactile-track: not in '%s': %s\n", output.text().c_str(), part.c_str());
   return 0;
 }
 

@@ -59,8 +59,8 @@ may_be_subtitles(const std::string &path)
   constexpr std::string_view kSubtitles = ".vtt";
   if (!path.ends_with(kSubtitles) || path.ends_with(kEndings[0]))
     return false;
-  const auto text = tactile::read_track_text(path);
-  return text && !tactile::is_meant_as_track(*text);
+  const auto file = tactile::read_track_text(path);
+  return file && !tactile::is_meant_as_track(file->text);
 }
 
 std::optional<FoundTrack>

@@ -93,24 +93,25 @@ read_command_line(int argc, char **argv, Options &options)
     {},
   };
   const auto chair = options.chair.entries();
-  parse_options(
-      argc, argv, entries, options.common,
-      { .arguments = "",
-        .summary = "Plays the track of a film on the chair, in sync with the film in another\n"
-                   "program: mpv, Kodi, VLC, a browser and other players that report their\n"
-                   "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus.\n"
-                   "Without --mpv, --kodi and --mpris, any player that plays is followed.\n\n"
-                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                   "beside it, in the film, or in the folder of --tracks; tactile-track makes it.\n"
-                   "For other films on this computer, a draft is made while they play.\n\n"
-                   "Ctrl-C stops the program and all motors. SIGUSR1 delays the vibration by\n"
-                   "10 ms, SIGUSR2 advances it by 10 ms.",
-        .least = 0,
-        .most = 0,
-        .force_help = Usage::kWritesNothing,
-        .quiet_help = Usage::kOnlyErrors,
-        .more = chair.data(),
-        .group = gst_init_get_option_group() });
+  parse_options(argc, argv, entries, options.common,
+                { .arguments = "",
+                  .summary
+                  = "Plays the track of a film on the chair, in sync with the film in another\n"
+                    "program: mpv, Kodi, VLC, a browser and other players that report their\n"
+                    "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus.\n"
+                    "Without --mpv, --kodi and --mpris, any player that plays is followed.\n\n"
+                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
+                    ".haptic, .ahap, .funscript, .tact) beside it, in the film, or in the folder\n"
+                    "of --tracks; tactile-track makes it. For other films on this computer, a\n"
+                    "draft is made while they play.\n\n"
+                    "Ctrl-C stops the program and all motors. SIGUSR1 delays the vibration by\n"
+                    "10 ms, SIGUSR2 advances it by 10 ms.",
+                  .least = 0,
+                  .most = 0,
+                  .force_help = Usage::kWritesNothing,
+                  .quiet_help = Usage::kOnlyErrors,
+                  .more = chair.data(),
+                  .group = gst_init_get_option_group() });
   options.chair.check();
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);

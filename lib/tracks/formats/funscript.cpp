@@ -1,22 +1,60 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/formats/funscript.h"
 
+#include "tracks/formats/json_document.h"
+#include "tracks/formats/level_curves.h"
 #include "tracks/formats/step_curve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tactile {
+
+namespace {
+
+constexpr double kTicks = 1e6; ///< per second
+constexpr double kTicksPerMillisecond = 1e3;
+constexpr std::int64_t kStepLength = 1000;
+
+bool
+is_vibration(std::string_view axis)
+{
+  constexpr std::array<std::string_view, 4> kNames = { "V0", "vib", "vibe", "vibration" };
+  return std::ranges::find(kNames, axis) != kNames.end();
+}
+
+/// The object that has the actions to play: of `axes`, a list with ids (as MultiFunPlayer reads
+/// them), of `channels`, an object by name (funscript 2.0), or the document.
+JsonMembers
+chosen_axis(const JsonMembers &root, bool &is_one_of_many)
+{
+  std::vector<JsonMembers> axes;
+  if (root.has("actions") && root.size("actions") > 0)
+    axes.push_back(root);
+  const std::size_t count = root.has("axes") ? root.size("axes") : 0;
+  for (std::size_t i = 0; i < count; i++) {
+    const JsonMembers axis = root.element("axes", i);
+    const char *id = axis.find_text("id");
+    axes.insert(id && is_vibration(id) ? axes.begin() : axes.end(), axis);
+  }
+  if (root.has("channels"))
+    for (const std::string &name : root.object("channels").names()) {
+      const JsonMembers axis = root.object("channels").object(name.c_str());
+      axes.insert(is_vibration(name) ? axes.begin() : axes.end(), axis);
+    }
+  is_one_of_many = axes.size() > 1;
+  return axes.empty() ? root : axes.front();
+}
+
+} // namespace
 
 std::string
 write_funscript(const Track &track)
 {
-  StepCurve curve;
-  for (const Track::Entry &entry : track.entries())
-    curve.step(std::chrono::floor<std::chrono::milliseconds>(entry.time).count(),
-               std::round(static_cast<double>(std::ranges::max(entry.map.levels)) * 100));
-  curve.finish(std::chrono::floor<std::chrono::milliseconds>(track.end()).count());
-
+  const StepCurve curve = strongest_cell(track, 100);
   std::string text = "{\"version\":\"1.0\",\"inverted\":false,\"range\":100,\"actions\":[";
   for (const StepCurve::Point &point : curve.points()) {
     if (&point != &curve.points().front())
@@ -25,6 +63,39 @@ write_funscript(const Track &track)
             + ",\"pos\":" + std::to_string(std::lround(point.value)) + "}";
   }
   return text + "\n]}\n";
+}
+
+tl::expected<Track, FormatError>
+read_funscript(std::string_view text, std::vector<std::string> &ignored)
+{
+  const auto document = JsonDocument::parse(text);
+  if (!document)
+    return tl::unexpected(document.error());
+  FirstError error;
+  const JsonMembers root = document->root(error);
+  bool is_one_of_many = false;
+  const JsonMembers axis = chosen_axis(root, is_one_of_many);
+  if (is_one_of_many)
+    ignored.emplace_back("the other axes");
+  const bool is_inverted = root.flag("inverted", false);
+  LevelCurves curves(kTicks, kStepLength);
+  std::vector<LevelCurves::Point> points;
+  const std::size_t count = error ? 0 : axis.size("actions");
+  for (std::size_t i = 0; i < count && !error; i++) {
+    const JsonMembers action = axis.element("actions", i);
+    const double at = action.number("at") * kTicksPerMillisecond;
+    const double position = std::clamp(action.number("pos") / 100, 0.0, 1.0);
+    if (!(at >= 0 && at <= curves.latest()))
+      action.fail("expected a time from 0 to 100 hours, in milliseconds");
+    else
+      points.push_back({ std::llround(at), is_inverted ? 1 - position : position });
+  }
+  std::ranges::stable_sort(points, {}, &LevelCurves::Point::position);
+  if (const auto added = curves.add(0, points); !added)
+    axis.fail(added.error().reason);
+  if (error)
+    return std::move(error).unless_set(Track());
+  return curves.join(Track(1, 1), std::vector<std::vector<std::size_t>>{ { 0 } });
 }
 
 } // namespace tactile

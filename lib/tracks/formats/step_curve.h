@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tracks/track.h"
+
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace tactile {
 
 /// Steps as points joined by straight lines, each step one millisecond long: the form of constant
-/// levels in formats of interpolated curves (HJIF, funscript).
+/// levels in formats of interpolated curves (HJIF, .haptic, funscript).
 class StepCurve
 {
 public:
@@ -58,5 +62,20 @@ private:
 
   std::vector<Point> points_;
 };
+
+/// The strongest cell's level over time, in milliseconds. With `steps` other than 0, it is the
+/// nearest of that many steps, as a number of steps.
+inline StepCurve
+strongest_cell(const Track &track, int steps = 0)
+{
+  StepCurve curve;
+  for (const Track::Entry &entry : track.entries()) {
+    const auto level = static_cast<double>(std::ranges::max(entry.map.levels));
+    curve.step(std::chrono::floor<std::chrono::milliseconds>(entry.time).count(),
+               steps == 0 ? level : std::round(level * steps));
+  }
+  curve.finish(std::chrono::floor<std::chrono::milliseconds>(track.end()).count());
+  return curve;
+}
 
 } // namespace tactile

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tactile {
 
@@ -17,7 +18,10 @@ enum class TrackFormat
   csv,       ///< .csv
   hjif,      ///< .hjif
   sem,       ///< .sem.xml
-  funscript, ///< .funscript, write-only
+  haptic,    ///< .haptic
+  ahap,      ///< .ahap
+  funscript, ///< .funscript
+  tact,      ///< .tact, read-only
 };
 
 /// Size limit in bytes; larger files are not read.
@@ -26,18 +30,34 @@ inline constexpr std::size_t kMaxTrackFile = std::size_t{ 256 } << 20;
 /// What a film's track ends with where the film's name has its ending. Of several the first is
 /// taken, also by subtitles' names.
 inline constexpr std::array kFilmTrackEndings
-    = { ".tactile.vtt", ".vtt", ".csv", ".hjif", ".sem.xml" };
+    = { ".tactile.vtt", ".vtt",  ".csv",       ".hjif", ".sem.xml",
+        ".haptic",      ".ahap", ".funscript", ".tact" };
 
-/// Format for a file name; the error lists the known extensions.
+/// Format for the name of a file; the error lists the known extensions.
 tl::expected<TrackFormat, FormatError> track_format(std::string_view name);
 
-/// Converts a track to the content of a file, and back. `date` (ISO 8601) is used for HJIF.
+/// Format for the name of a file to write; the error lists the extensions of formats that are
+/// written.
+tl::expected<TrackFormat, FormatError> written_format(std::string_view name);
+
+/// Converts a track to the content of a file. `date` (ISO 8601) is used for HJIF. A format that is
+/// only read gives an empty text.
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
-tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format);
+
+/// Converts the content of a file to a track. `ignored`, if any, gets the parts that a track cannot
+/// represent, as nouns such as "the frequencies".
+tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format,
+                                            std::vector<std::string> *ignored = nullptr);
 
 /// The text of a track's file, in UTF-8 where it is UTF-16 (but for XML, which says what it is).
-/// Errors start with its name, as those of read_track_file().
-tl::expected<std::string, FormatError> read_track_text(const std::string &path);
+struct TrackText
+{
+  std::string text;
+  TrackFormat format; ///< by the file's name, or by its text if the name has no known extension
+};
+
+/// Errors start with the file's name, as those of read_track_file().
+tl::expected<TrackText, FormatError> read_track_text(const std::string &path);
 
 /// Reads a file.
 tl::expected<Track, FormatError> read_track_file(const std::string &path);

@@ -11,7 +11,8 @@ using namespace tactile;
 namespace {
 
 constexpr TrackFormat kForms[]
-    = { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif, TrackFormat::sem };
+    = { TrackFormat::webvtt, TrackFormat::csv,  TrackFormat::hjif,      TrackFormat::sem,
+        TrackFormat::haptic, TrackFormat::ahap, TrackFormat::funscript, TrackFormat::tact };
 
 /// Whether the text is read. If so, the track must be valid.
 bool

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tracks/track.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tactile {
+
+/// Joins curves of level over time, each on one channel, to a track. A channel plays on cells.
+///
+/// Curves are linear between their points: a slope becomes steps of 20 ms at their mean level, and
+/// is a step at its beginning if it takes at most one step length. Curves that overlap on a channel
+/// are added, as are channels on a cell; sums end at 1.
+class LevelCurves
+{
+public:
+  struct Point
+  {
+    std::int64_t position; ///< ticks
+    double level;          ///< 0 and more
+  };
+
+  /// Limit on the curves that overlap on one channel.
+  static constexpr std::size_t kMostAtOnce = 1000;
+
+  /// @param ticks_per_second 1 to 1,000,000 @param step_length in ticks
+  LevelCurves(double ticks_per_second, std::int64_t step_length);
+
+  /// The latest position of a point, Track::kMaxEnd in ticks.
+  double latest() const;
+
+  /// Adds a curve. It begins at the first point and ends at the last, with a level that holds for
+  /// no time; a last step ends it at once. Positions must not decrease. Fails for a time outside
+  /// [0, Track::kMaxEnd] and beyond Track::kMaxEntries changes.
+  tl::expected<void, FormatError> add(std::size_t channel, std::span<const Point> points);
+
+  /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
+  /// It ends where the last curve does.
+  tl::expected<Track, FormatError> join(Track track,
+                                        std::span<const std::vector<std::size_t>> cells);
+
+private:
+  /// A new level of one curve.
+  struct Change
+  {
+    Time time;
+    std::size_t channel;
+    std::size_t curve;
+    double level;
+  };
+
+  void change(std::int64_t position, std::size_t channel, double level);
+
+  double ticks_per_second_;
+  std::int64_t step_length_;
+  std::size_t curves_ = 0;
+  std::vector<Change> changes_;
+};
+
+} // namespace tactile
