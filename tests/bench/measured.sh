@@ -62,7 +62,7 @@ timing() { # FILM ...
   cat <<'CAPTION'
 ## Commands
 
-Films in real time on a simulated chair. The error is |issued − due|; a command is late after 5 ms.
+Films play in real time on a simulated chair. The error is |issued − due|; a command is late after 5 ms.
 
 | film, compensation | commands | late | error p50 | p99 | most |
 |---|---|---|---|---|---|
@@ -76,8 +76,8 @@ CAPTION
 
 ## Vibrations
 
-When a simulated motor reaches 90 % of its level, after the command's frame is shown, with each
-`compensation` of tactorsink.
+The table has the time from the frame of a command until a simulated motor reaches 90 % of its level, for
+each `compensation` of tactorsink.
 
 CAPTION
   (cd "$work" && "$built/tests/quality/rise_timing" ./*.csv)
@@ -85,8 +85,8 @@ CAPTION
 
 ## A busy computer
 
-Commands while other programs take all CPUs, with `tactorsink realtime` and without, in turns. The
-last columns are of commands whose maps were there in time.
+Other programs use all CPUs, with `tactorsink realtime=true` and `false` in turns. The last columns
+include only commands whose maps arrived in time.
 
 CAPTION
   "$here/busy.sh"
@@ -95,14 +95,14 @@ CAPTION
 # Single steps, and what calibrations make of them.
 calibration() {
   cat <<'CAPTION'
-Errors of what `tactor-calibrate` measures of simulated motors with the paper's rise times, in white
-noise between 0 and 4 kHz. Motors rise exponentially, as the square of that, or as two equal time
-constants in series (second order).
+The tables have the errors of `tactor-calibrate` with simulated motors that have the paper's rise times,
+in white noise between 0 and 4 kHz. Motors rise exponentially, as the square of that, or with two equal
+time constants in series (second order).
 
 ## Single steps
 
-The error of the 90 % of a step, by the ratio of its steady vibration to the noise; of the median of
-nine repetitions; and of the first motion of rises from rest.
+The columns have the error of the time to 90 % of a step, by the ratio of its steady vibration to the
+noise; that of the median of nine repetitions; and that of the first motion of rises from rest.
 
 CAPTION
   printf '```\n'
@@ -112,9 +112,9 @@ CAPTION
 
 ## Calibrations
 
-The error of latency plus rise time to 1 V and more, of four motors with 0.5 to 1.25 times the
-paper's rise times. In rows of 1 V all rises are 20 dB above the noise, in rows of 3 V only the
-strongest.
+The table has the error of latency plus rise time to 1 V and more, for four motors with 0.5 to 1.25
+times the paper's rise times. In rows of 1 V all rises are 20 dB above the noise, in rows of 3 V only
+the strongest.
 
 CAPTION
   printf '```\n'
@@ -154,33 +154,32 @@ out=$root/docs/measured/$page.md
       cat <<'CAPTION'
 ## Frames of the timeline
 
-The timeline of a track of 20 000 cues in 67 minutes, on 3 x 3 cells, with a draft of as many,
-thumbnails, sound, shot cuts and warnings, in Chromium of 1280 x 800 without a screen or a GPU, whose
-frames are 16.7 ms apart at best. The script is this page's own code; CPU is the time of all of the
-browser's threads, of which two cores have 33.3 ms a frame.
+Chromium without a screen or a GPU, 1280 x 800, shows the timeline of a track of 20 000 cues in 67 minutes
+on 3 x 3 cells, with a draft of equal size, thumbnails, sound, shot cuts and warnings. Its frames are
+at least 16.7 ms apart. "Script" is the code of the page; CPU is the time of all threads of the
+browser, of which two cores have 33.3 ms a frame.
 
 CAPTION
       /usr/bin/python3 "$here/../desk/frames.py" 15
-      printf '\n## Two hours\n\nIn the same browser, an H.264 film of two hours with sound and a key frame every two seconds.\n\n'
+      printf '\n## Two hours\n\nThe same browser shows an H.264 film of two hours with sound and a key frame every two seconds.\n\n'
       TRACK="$built/tools/tactile-track" VISUOTACTILE_DESK="$built/tools/tactile-track-desk" VISUOTACTILE_DESK_PAGE="$root/tools/tactile-track-desk/page" \
         VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/two_hours.py"
       ;;
     devices)
       head_of "Devices that people own"
       cat <<'CAPTION'
-What devices do, as their own side sees it: an emulated Mega at 57600 baud, servers of bHaptics
-Player's and of the Buttplug protocol, written for tests with another library, SDL's virtual
-gamepad, and PulseAudio's null sink, heard at its monitor, whose times are exact within 5 ms. The
-radio to a real device, its motors and a card's own buffer are not in it. More of a seat is in
-[ways out](ways-out.md), a simulated one in [timing](timing.md), more of sound in [sound for
-shakers](synth.md).
+The measurement is on the side of the devices: an emulated Mega at 57600 baud, test servers of the
+bHaptics Player and Buttplug protocols, written with another library, SDL's virtual gamepad, and the
+monitor of PulseAudio's null sink, whose times are exact within 5 ms. It does not include the radio to
+a real device, its motors and the buffer of a card. See also [ways out](ways-out.md) of a board,
+[timing](timing.md) of a simulated one, and [sound for shakers](synth.md).
 
 ## Ways out
 
-How long a motor goes on after each event; at the end of stream, after the end of its last map.
-SIGTERM ends gst-launch-1.0; a virtual gamepad is in the process that it would end (–).
-`visuotactile-play --list-devices` lists boards, gamepads and sound cards; to look for a device
-behind a server would disturb it.
+The table has the time until the motor stops after each event; at the end of stream, after the end of its
+last map. SIGTERM ends gst-launch-1.0; a virtual gamepad belongs to the process that it would end (–).
+`visuotactile-play --list-devices` lists boards, gamepads and sound cards; a query for a device behind a
+server would disturb it.
 
 CAPTION
       VISUOTACTILE_MODULES="$built/lib/modules" XDG_STATE_HOME=$work umockdev-wrapper "$built/tests/bench/devices" >"$work/tables" 2>&1 || { cat "$work/tables" >&2; exit 1; }
@@ -189,12 +188,12 @@ CAPTION
 
 ## In time
 
-Every 0.8 s a level of 40 to 100 % from rest, on the pipeline's clock. The error is the time between
-a map's frame and when a motor with the paper's rise times, given the levels that the device got,
-reaches 90 %; a shaker has tactoraudiosink's own 25 ms. "Later by" has its sign. A slow server takes
-200 ms for each message, while levels change 25 times a second: the most messages that it has at
-once, until the end of the stream. Boards and gamepads answer nothing, and a sound card takes no
-messages (–). CPU is this process's share of a core; the emulated board is in it.
+Every 0.8 s, the film has a level of 40 to 100 % from rest. The error is the time from the frame of a map
+until a motor with the paper's rise times, at the levels that the device received, reaches 90 %; a
+shaker has tactoraudiosink's 25 ms. "Later by" has the sign of the error. A slow server takes 200 ms for
+each message, while levels change 25 times a second; the column has the largest number of its messages in flight
+until the end of the stream. Boards and gamepads send no answers, and a sound card receives no messages
+(–). CPU is the share of a core of the process, including the emulated board.
 
 CAPTION
       grep -E '^\|' "$work/tables" | sed -n '/^| device | rises/,$p'
@@ -204,11 +203,11 @@ CAPTION
       cat <<'CAPTION'
 ## Drafts that are made while a film plays
 
-A real mpv plays an H.264 film of 24 frames a second that has no track, ten seconds of Sintel's
-trailer scaled up, again and again, with a key frame every ten seconds. After how long what plays is
-known, and so felt, and which share of a core visuotactile-follow takes in the 20 s after each event,
-decoding and all. The seek goes to half a second before a key frame. The film is © Blender
-Foundation, www.sintel.org, CC BY 3.0.
+mpv plays an H.264 film of 24 frames a second without a track: ten seconds of Sintel's trailer, scaled
+up and repeated, with a key frame every ten seconds. The table has the time until the draft reaches the
+position, and the share of a core that visuotactile-follow uses in the 20 s after each event, with
+decoding. The seek goes to half a second before a key frame. The film is © Blender Foundation,
+www.sintel.org, CC BY 3.0.
 
 CAPTION
       FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" VISUOTACTILE_MODULES="$built/lib/modules" \
@@ -217,8 +216,8 @@ CAPTION
 
 ## Nobody in the chair
 
-How long the motors of a vest go on after each event, as the vest's own side sees it, a server for
-tests. Locks and sleep are told by a simulated logind.
+The table has the time until the motors of a vest stop after each event, measured at a test server. A
+simulated logind reports locks and sleep.
 
 CAPTION
       FOLLOW="$built/tools/visuotactile-follow" TRACK="$built/tools/tactile-track" SERVER="$root/tests/support/haptic_server.py" SESSION="$built/data/session" \
@@ -229,13 +228,13 @@ CAPTION
       cat <<'CAPTION'
 ## Players
 
-Real players play a film of 24 frames a second, which show their numbers, on Xvfb's screen. How much
-later than its frame came to the screen a simulated motor has to have its level by the command's
-trace, from 3 s after each event on: the median, and what 95 % of the errors do not exceed either way.
-When a frame came is known to 3 ms. A real screen adds its own delay. Their sound goes to
+Players show a film of 24 numbered frames a second on the screen of Xvfb. The error is the time at which a
+simulated motor must have its level (by the trace of commands), minus the time at which the frame
+appeared, from 3 s after each event on. The table has the median and the 95th percentile of its
+magnitude. The time of a frame is exact within 3 ms. A real screen adds a delay. The sound goes to
 PulseAudio's null sink. chromium-extended has the extension of
-[examples/chromium](../../examples/chromium/position.js). Without it, each start, pause and seek has an error of its
-own, up to 0.1 s, which Chromium allows itself.
+[examples/chromium](../../examples/chromium/position.js). Without it, each start, pause and seek has its own
+error of up to 0.1 s.
 
 CAPTION
       for player in mpv vlc kodi chromium chromium-extended; do
@@ -245,8 +244,8 @@ CAPTION
       cat <<'CAPTION'
 ## Sound
 
-How much later than its picture came to Xvfb's screen a tone came to PulseAudio's null sink, from 3 s
-after each event on, for 20 s: the median, and between which it was at all. Tones are known to 5 ms.
+The delay is the time from a picture on the screen of Xvfb to its tone at PulseAudio's null sink, during 20
+s from 3 s after each event on: median and range. The time of a tone is exact within 5 ms.
 
 | player | after the start | after a pause | after a seek | all |
 |---|---|---|---|---|
@@ -258,19 +257,20 @@ CAPTION
       cat <<'CAPTION'
 ## Reports of each kind
 
-Where a film is, by simulated reports of two hours that come late, by exponential delays of 2 or
-3 ms each way and now and then by up to 60 ms more: p50 / p95 of the error in ms, from 3 s after each
-seek, pause or change of rate on, and the share of that time in which the position is known to
-0.12 s. Watched restlessly is a seek, or a pause and perhaps another rate, each minute. The last
-columns are what others make of the same reports: the median of the last 21 offsets between what was
-reported and when it came, and MultiFunPlayer's way, a third of the way to each report.
+The estimator receives simulated reports of two hours with exponential delays of 2 or 3 ms each way and
+sometimes up to 60 ms more. The table has p50 / p95 of the position error in ms, from 3 s after each
+seek, pause or rate change on, and the share of that time in which the error bound is 0.12 s. A restless viewer
+seeks, or pauses and perhaps changes the rate, each minute. The last columns have other methods on the
+same reports: the median of the last 21 offsets between reported position and arrival, and that of
+MultiFunPlayer, a third of the way to each report.
 
 CAPTION
       "$built/tests/bench/follow"
       ;;
     playback)
       head_of "CPU time of playing a film"
-      printf 'Decoding an H.264 film with and without saliencytactile: user and system time of all threads.\n\n'
+      printf 'The table has the user and system time of all threads that decode an H.264 film, with and without
+saliencytactile.\n\n'
       "$here/playback.sh"
       ;;
     sound)
@@ -346,9 +346,9 @@ CAPTION
       cat <<'CAPTION'
 ## CPU time
 
-tactilesynth, a minute of maps at 30 frames a second in which each channel changes with each map:
-all threads of `appsrc ! tactilesynth ! fakesink`. It uses the instructions that every CPU of its
-architecture has, SSE2 on amd64.
+The pipeline `appsrc ! tactilesynth ! fakesink` converts a minute of maps at 30 frames a second; each map
+changes all channels. The time is that of all threads. tactilesynth uses the base instructions of the
+architecture, SSE2 on amd64.
 
 CAPTION
       "$built/tests/bench/synth"
@@ -356,10 +356,10 @@ CAPTION
 
 ## Beside a film's sound
 
-A pipeline plays a sound to PulseAudio's null sink, and maps, or another sound, with the same
-envelope. When the one is half way up or down, in what the sink's monitor heard, after the other. In
-one sink that is what tactilesynth adds. Sinks of their own differ from start to start, plain sounds
-as well: the one that gets its first samples later, such as after an audioconvert, is heard earlier.
+A pipeline plays a sound to PulseAudio's null sink, and maps, or another sound, with the same envelope.
+The table has the time between their half levels at the monitor of the sink. In one sink, this is
+the error of tactilesynth. Separate sinks differ with each start, also for plain sounds: the sink that
+receives its first samples later, for example after an audioconvert, plays earlier.
 
 CAPTION
       "$here/../tools/synth_pulse.py"
@@ -372,8 +372,8 @@ CAPTION
     ways-out)
       head_of "Ways out"
       cat <<'CAPTION'
-How long motors go on after each event, at an emulated Mega with the seat firmware at 57600 baud.
-The firmware's watchdog takes 250 ms.
+The table has the time until the motors stop after each event, on an emulated Mega with the seat firmware at
+57600 baud. The watchdog of the firmware acts after 250 ms.
 
 | event | until every motor is at zero |
 |---|---|
@@ -382,8 +382,8 @@ CAPTION
       grep -v -e '^| StandardFirmata: ' -e '^| SIG[A-Z0-9]*, ' "$work/rows"
       cat <<'CAPTION'
 
-With StandardFirmata, which has no watchdog, at the same board. SIGKILL, SIGSEGV, `_exit()`, `quick_exit()`
-and `exec()` are the guardian's, as is the second signal under `gst-launch-1.0 -e`.
+The same board has StandardFirmata, without a watchdog. After SIGKILL, SIGSEGV, `_exit()`, `quick_exit()`,
+`exec()` and the second signal under `gst-launch-1.0 -e`, the guardian stops the motors.
 
 | event | until every motor is at zero |
 |---|---|
@@ -391,8 +391,8 @@ CAPTION
       sed -n 's/^| StandardFirmata: /| /p' "$work/rows"
       cat <<'CAPTION'
 
-Two signals, one right after the other, to a player with default actions, StandardFirmata and no guardian: ms until
-every motor is at zero, which is before the process ends. The first signal is the row's, the second the column's.
+A player with default actions, StandardFirmata and no guardian receives two signals, one right after the other. The table
+has the ms until every motor is at zero, which is before the process ends, by the first (row) and second (column) signal.
 
 CAPTION
       sed -n 's/^| SIG\([A-Z0-9]*\), SIG\([A-Z0-9]*\) | \([0-9]*\) ms |$/\1 \2 \3/p' "$work/rows" | awk '
