@@ -115,6 +115,7 @@
 #include "tactorsession.h"
 #include "tactorsettings.h"
 #include "tactorurihandler.h"
+#include "unlockedposts.h"
 
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -143,6 +144,7 @@ struct GstTactorSinkPrivate
   TactorSession session;
   TactorPlay play;
   std::atomic<bool> ended{ false }; ///< end of stream
+  UnlockedPosts posts;
 
   std::atomic<bool> flushed{ false }; ///< and no map came since
   ClockRest clock_rest;
@@ -199,6 +201,7 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   GST_OBJECT_LOCK(sink);
   tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(sink);
+  const UnlockedPosts::Scope locked(priv->posts);
   return priv->play.play_map(buffer, std::move(settings));
 }
 
@@ -219,8 +222,11 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     priv->ended = true;
     ret = priv->play.drain();
-    if (ret == GST_FLOW_OK)
+    if (ret == GST_FLOW_OK) {
+      const UnlockedPosts::Scope locked(priv->posts);
       tactor_post_stats(GST_ELEMENT(sink), gst_tactor_sink_stats(G_OBJECT(sink)));
+      ret = sink->flushing ? GST_FLOW_FLUSHING : GST_FLOW_OK;
+    }
   }
   return ret;
 }
@@ -291,9 +297,12 @@ gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE)
     gst_message_parse_step_done(message, nullptr, nullptr, nullptr, &flush, nullptr, nullptr,
                                 nullptr);
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(element)->priv;
   if (flush)
-    GST_TACTOR_SINK(element)->priv->play.stepped();
-  return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
+    priv->play.stepped();
+  return priv->posts.post(GST_BASE_SINK(element), [&] {
+    return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
+  });
 }
 
 static GstCaps *

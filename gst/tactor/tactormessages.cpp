@@ -19,6 +19,7 @@ resource_error(tactor::DriverError::Kind kind)
   using Kind = tactor::DriverError::Kind;
   switch (kind) {
   case Kind::not_found:
+  case Kind::not_asked:
     return GST_RESOURCE_ERROR_NOT_FOUND;
   case Kind::busy:
     return GST_RESOURCE_ERROR_BUSY;

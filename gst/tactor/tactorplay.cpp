@@ -59,6 +59,8 @@ TactorPlay::play_map(GstBuffer *buffer, tactor::PlannerSettings settings)
       = planning_.plan_map(buffer, now, paced_time(), std::move(settings));
   if (!plan)
     return GST_FLOW_ERROR;
+  if (sink_->flushing) // since the lock was released to post a message
+    return GST_FLOW_FLUSHING;
   push(*plan);
   return GST_FLOW_OK;
 }
@@ -87,10 +89,10 @@ TactorPlay::drain()
   const guint64 interruptions = scheduler_.interruptions();
   GST_BASE_SINK_PREROLL_UNLOCK(sink_);
   scheduler_.drain(interruptions);
+  session_.tell_short_lead();
   GST_BASE_SINK_PREROLL_LOCK(sink_);
   if (sink_->flushing)
     return GST_FLOW_FLUSHING;
-  session_.tell_short_lead();
   scheduler_.flush();
   return GST_FLOW_OK;
 }

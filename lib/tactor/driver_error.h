@@ -12,6 +12,7 @@ struct DriverError
   enum class Kind
   {
     not_found,  ///< no such driver or no such board
+    not_asked,  ///< what is there may be a board, or anything else
     busy,       ///< another program has it
     permission, ///< the user may not open it
     settings,   ///< the configuration does not fit the board

@@ -7,6 +7,16 @@
 
 namespace tactor {
 
+/// 0 at least.
+static timespec
+as_timespec(std::chrono::nanoseconds time)
+{
+  const auto since = std::max(time, std::chrono::nanoseconds(0));
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(since);
+  return { .tv_sec = static_cast<time_t>(seconds.count()),
+           .tv_nsec = static_cast<long>((since - seconds).count()) };
+}
+
 PriorityMutex::PriorityMutex()
 {
   pthread_mutexattr_t attributes;
@@ -32,6 +42,15 @@ bool
 PriorityMutex::try_lock()
 {
   return pthread_mutex_trylock(&mutex_) == 0;
+}
+
+/// By the wall clock: kernels before 5.14 have no other one for such a mutex.
+bool
+PriorityMutex::try_lock_until(std::chrono::steady_clock::time_point time)
+{
+  const auto rest = time - std::chrono::steady_clock::now();
+  const timespec until = as_timespec(std::chrono::system_clock::now().time_since_epoch() + rest);
+  return pthread_mutex_timedlock(&mutex_, &until) == 0;
 }
 
 void
@@ -69,10 +88,7 @@ PriorityCondition::wait(PriorityLock &lock)
 std::cv_status
 PriorityCondition::wait_until(PriorityLock &lock, Clock::time_point time)
 {
-  const auto since = std::max(time.time_since_epoch(), Clock::duration(0));
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(since);
-  const timespec until{ .tv_sec = static_cast<time_t>(seconds.count()),
-                        .tv_nsec = static_cast<long>((since - seconds).count()) };
+  const timespec until = as_timespec(time.time_since_epoch());
   return pthread_cond_timedwait(&condition_, &lock.mutex()->mutex_, &until) == ETIMEDOUT
              ? std::cv_status::timeout
              : std::cv_status::no_timeout;

@@ -24,6 +24,7 @@ public:
   // As of std::mutex.
   void lock();
   bool try_lock();
+  bool try_lock_until(std::chrono::steady_clock::time_point time);
   void unlock();
 
 private:

@@ -28,27 +28,14 @@ constexpr std::array kSignals{ SIGHUP,    SIGINT,  SIGQUIT, SIGABRT, SIGPIPE,
 
 // What the handler reads; process-wide, as a signal's action is.
 std::atomic<int> pipe_in{ -1 };
-std::atomic<pid_t> owner{ 0 }; ///< a forked process has the handler, but not the thread
-static_assert(std::atomic<int>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
+std::atomic<pid_t> owner{ 0 };           ///< a forked process has the handler, but not the thread
+std::atomic<bool> abort_is_due{ false }; ///< the motors stand
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free
+              && std::atomic<bool>::is_always_lock_free);
 
-/// Async-signal-safe.
-extern "C" void
-tactor_on_signal(int number, siginfo_t *info, void *)
-{
-  const int error = errno;
-  const int fd = pipe_in;
-  const auto byte = static_cast<unsigned char>(number);
-  if (fd < 0 || owner != getpid() || (write(fd, &byte, 1) != 1 && errno != EAGAIN)) {
-    // Nothing to stop: the default action, once the handler has returned.
-    std::signal(number, SIG_DFL);
-    raise(number);
-  } else if (number == SIGABRT && info->si_code == SI_TKILL) {
-    // abort() ends the process when the handler returns. The thread does so earlier.
-    constexpr auto kWait = std::chrono::milliseconds(TerminationGuard::kPatience);
-    poll(nullptr, 0, static_cast<int>(kWait.count()));
-  }
-  errno = error;
-}
+constexpr unsigned char kWaits = 0x80; ///< beside a signal's number in the pipe: abort() waits
+
+extern "C" void tactor_on_signal(int number, siginfo_t *info, void *);
 
 bool
 is_ours(const struct sigaction &action)
@@ -64,6 +51,7 @@ is_default(const struct sigaction &action)
 
 /// Sets a signal's action if it is one that `may_change`. It is looked at first: an application's
 /// own is never replaced, but for a moment if it is set on another thread meanwhile.
+/// Async-signal-safe.
 void
 exchange(int number, const struct sigaction &action, bool (*may_change)(const struct sigaction &))
 {
@@ -75,19 +63,7 @@ exchange(int number, const struct sigaction &action, bool (*may_change)(const st
     sigaction(number, &before, nullptr);
 }
 
-void
-catch_signals()
-{
-  struct sigaction ours
-  {
-  };
-  ours.sa_sigaction = tactor_on_signal;
-  ours.sa_flags = SA_RESTART | SA_SIGINFO;
-  sigfillset(&ours.sa_mask);
-  for (const int number : kSignals)
-    exchange(number, ours, is_default);
-}
-
+/// Async-signal-safe.
 void
 restore(int number)
 {
@@ -98,31 +74,74 @@ restore(int number)
   exchange(number, none, is_ours);
 }
 
+/// Async-signal-safe.
+extern "C" void
+tactor_on_signal(int number, siginfo_t *info, void *)
+{
+  const int error = errno;
+  const int fd = pipe_in;
+  const bool is_abort = number == SIGABRT && info->si_code == SI_TKILL;
+  const auto byte = static_cast<unsigned char>(is_abort ? number | kWaits : number);
+  if (is_abort)
+    abort_is_due = false;
+  const bool is_told
+      = fd >= 0 && owner == getpid() && (write(fd, &byte, 1) == 1 || errno == EAGAIN);
+  constexpr auto kWait = std::chrono::milliseconds(TerminationGuard::kPatience);
+  for (int i = 0; is_told && is_abort && !abort_is_due && i < kWait.count(); i++)
+    poll(nullptr, 0, 1);
+  if (!is_told || is_abort) {
+    // The default action, once the handler has returned: the core is that of abort()'s thread.
+    restore(number);
+    raise(number);
+  }
+  errno = error;
+}
+
+/// An abort() that is under way goes on by itself.
+void
+catch_signals(bool aborts)
+{
+  struct sigaction ours
+  {
+  };
+  ours.sa_sigaction = tactor_on_signal;
+  ours.sa_flags = SA_RESTART | SA_SIGINFO;
+  sigfillset(&ours.sa_mask);
+  for (const int number : kSignals)
+    if (number != SIGABRT || !aborts)
+      exchange(number, ours, is_default);
+}
+
 /// Catches signals while it lives.
 class Catcher
 {
 public:
   /// `pipe` outlives it: a handler may still write.
-  Catcher(const std::array<int, 2> &pipe, std::function<void()> caught)
-      : pipe_(pipe), caught_(std::move(caught))
+  Catcher(const std::array<int, 2> &pipe, std::function<void()> caught, std::function<void()> stays)
+      : pipe_(pipe), caught_(std::move(caught)), stays_(std::move(stays))
   {
     tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); });
     if (!thread)
       return; // signals keep their default action
     thread_ = std::move(*thread);
     pipe_in = pipe_[1];
-    catch_signals();
+    catch_signals(false);
   }
 
   ~Catcher()
   {
-    for (const int number : kSignals)
-      restore(number);
-    pipe_in = -1;
     const unsigned char stop = 0;
     while (thread_ && write(pipe_[1], &stop, 1) < 0 && (errno == EINTR || errno == EAGAIN))
       sched_yield(); // full of signals
-    thread_.join();
+    thread_.join();  // it catches signals
+    for (const int number : kSignals)
+      restore(number);
+    pipe_in = -1;
+    abort_is_due = true;
+    // Those that came meanwhile.
+    for (unsigned char byte = 0; read(pipe_[0], &byte, 1) == 1;)
+      if (byte != 0 && (byte & kWaits) == 0)
+        die(byte);
   }
 
   Catcher(const Catcher &) = delete;
@@ -132,16 +151,22 @@ private:
   void run()
   {
     pollfd in{ .fd = pipe_[0], .events = POLLIN, .revents = 0 };
+    bool aborts = false;
     for (;;) {
-      unsigned char number = 0;
+      unsigned char byte = 0;
       const int ready = poll(&in, 1, static_cast<int>(TerminationGuard::kLook.count()));
-      if (ready > 0 && read(pipe_[0], &number, 1) == 1) {
-        if (number == 0)
+      if (ready > 0 && read(pipe_[0], &byte, 1) == 1) {
+        if (byte == 0)
           return;
         caught_();
-        die(number);
+        if ((byte & kWaits) != 0) {
+          abort_is_due = aborts = true;
+        } else {
+          die(byte);
+          stays_();
+        }
       }
-      catch_signals(); // those whose handlers the application has dropped
+      catch_signals(aborts); // those whose handlers the application has dropped
     }
   }
 
@@ -159,15 +184,17 @@ private:
     }
     // On this thread, at once: one that dumps core is only noted on others.
     sigset_t one;
+    sigset_t before;
     sigemptyset(&one);
     sigaddset(&one, number);
-    pthread_sigmask(SIG_UNBLOCK, &one, nullptr);
+    pthread_sigmask(SIG_UNBLOCK, &one, &before);
     raise(number);
-    pthread_sigmask(SIG_BLOCK, &one, nullptr);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
 
   const std::array<int, 2> pipe_;
   const std::function<void()> caught_;
+  const std::function<void()> stays_; ///< the process goes on
   Thread thread_;
 };
 
@@ -177,15 +204,23 @@ struct Guards
   std::array<int, 2> pipe{ -1, -1 }; ///< made once
   std::unique_ptr<Catcher> catcher;  ///< while there are guards
   std::mutex mutex;                  ///< guards all
-  std::vector<const TerminationGuard::Leave *> all;
+  std::vector<const TerminationGuard::Calls *> all;
 
   void leave()
   {
     const std::lock_guard lock(mutex);
     const auto now = std::chrono::steady_clock::now();
     for (const auto until : { now, now + TerminationGuard::kPatience }) // all begin first
-      for (const TerminationGuard::Leave *leave : all)
-        (*leave)(until);
+      for (const TerminationGuard::Calls *calls : all)
+        calls->leave(until);
+  }
+
+  void stay()
+  {
+    const std::lock_guard lock(mutex);
+    for (const TerminationGuard::Calls *calls : all)
+      if (calls->stay)
+        calls->stay();
   }
 };
 
@@ -205,7 +240,8 @@ guards()
 
 } // namespace
 
-TerminationGuard::TerminationGuard(Leave leave) : leave_(std::move(leave))
+TerminationGuard::TerminationGuard(Leave leave, std::function<void()> stay)
+    : calls_{ std::move(leave), std::move(stay) }
 {
   Guards &guards = tactor::guards();
   const std::lock_guard catching(guards.catching);
@@ -217,12 +253,13 @@ TerminationGuard::TerminationGuard(Leave leave) : leave_(std::move(leave))
   }
   {
     const std::lock_guard lock(guards.mutex);
-    guards.all.push_back(&leave_);
+    guards.all.push_back(&calls_);
   }
   if (guards.catcher || std::getenv("VISUOTACTILE_NO_SIGNALS"))
     return;
   if (guards.pipe[0] >= 0 || pipe2(guards.pipe.data(), O_CLOEXEC | O_NONBLOCK) == 0)
-    guards.catcher = std::make_unique<Catcher>(guards.pipe, [&guards] { guards.leave(); });
+    guards.catcher = std::make_unique<Catcher>(
+        guards.pipe, [&guards] { guards.leave(); }, [&guards] { guards.stay(); });
 }
 
 TerminationGuard::~TerminationGuard()
@@ -232,7 +269,7 @@ TerminationGuard::~TerminationGuard()
   bool is_last = false;
   {
     const std::lock_guard lock(guards.mutex);
-    std::erase(guards.all, &leave_);
+    std::erase(guards.all, &calls_);
     is_last = guards.all.empty();
   }
   if (is_last)

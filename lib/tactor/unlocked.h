@@ -24,4 +24,13 @@ private:
   PriorityLock &lock_;
 };
 
+/// What `call` returns without the lock.
+template <class Call>
+auto
+without(PriorityLock &lock, const Call &call)
+{
+  const Unlocked unlocked(lock);
+  return call();
+}
+
 } // namespace tactor

@@ -102,6 +102,24 @@ GST_START_TEST(test_takes_nothing)
 }
 GST_END_TEST;
 
+/// The guardian's words, which go to the system's log, and to its standard error where it has one:
+/// the player may have ended in any way, and the board may have been unplugged.
+GST_START_TEST(test_guardians_words)
+{
+  Chair chair;
+  Program guardian({ g_getenv("VISUOTACTILE_GUARDIAN"), "1-1" });
+  chair.board.ignore_dtr(true);
+  chair.board.stall(true);
+  guardian.leave();
+  fail_unless(chair.board.wait_until([&] { return chair.board.hosts() == 1; }));
+  chair.board.unplug();
+  const int status = guardian.wait();
+  fail_unless(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+  assert_contains(guardian.errors(), { "the player has ended without stopping its tactor board",
+                                       "was unplugged; if it has a supply of its own" });
+}
+GST_END_TEST;
+
 /// The same without a line for resets: the guardian's zeros come when the board takes them.
 GST_START_TEST(test_takes_nothing_for_a_while)
 {
@@ -210,6 +228,7 @@ killed_suite(void)
   tcase_add_test(tests, test_interrupted_twice);
   tcase_add_test(tests, test_ended);
   tcase_add_test(tests, test_takes_nothing);
+  tcase_add_test(tests, test_guardians_words);
   tcase_add_test(tests, test_takes_nothing_for_a_while);
   tcase_add_test(tests, test_fails_once);
   tcase_add_test(tests, test_unanswered_once);

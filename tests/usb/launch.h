@@ -54,7 +54,8 @@ public:
   {
     if (pid_ > 0)
       end(SIGKILL);
-    close(input_);
+    if (input_ >= 0)
+      close(input_);
     std::fclose(errors_);
   }
   Program(const Program &) = delete;
@@ -76,6 +77,11 @@ public:
     int status = 0;
     waitpid(std::exchange(pid_, -1), &status, 0);
     return status;
+  }
+  /// Ends its standard input.
+  void leave()
+  {
+    close(std::exchange(input_, -1));
   }
   /// Sends a signal and waits for the process.
   int end(int signal)

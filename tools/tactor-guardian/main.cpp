@@ -3,6 +3,7 @@
 // Stops a board's motors when the process is gone that plays on it. tactorsink runs it with one end
 // of a socket as its standard input: a byte means that the motors were stopped. It is no program
 // for users.
+#include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/stop_board.h"
 
 #include <algorithm>
@@ -55,22 +56,25 @@ stop(tactor::SerialBus &bus, const tactor::SerialDevice &device)
 {
   using Kind = tactor::DriverError::Kind;
   const auto begin = std::chrono::steady_clock::now();
-  std::string why = "it was unplugged";
+  const tactor::DriverError unplugged{ Kind::not_found,
+                                       tactor::describe(device) + " was unplugged" };
+  tactor::DriverError why;
   bool may_pulse = true; // once: it boots for seconds
   for (auto now = begin; now < begin + kPatience; now = std::chrono::steady_clock::now()) {
     if (find(bus, device.bus_path) == device) { // another board may be there now
       const auto stopped = tactor::stop_board(bus, device, &may_pulse);
       if (stopped || (stopped.error().kind == Kind::busy && now > begin + kBusy))
         return 0;
-      why = stopped.error().text;
+      why = stopped.error();
+    } else {
+      why = unplugged;
     }
     std::this_thread::sleep_for(kTryAgain);
   }
-  openlog("tactor-guardian", LOG_PID, LOG_USER);
+  openlog("tactor-guardian", LOG_PID | LOG_PERROR, LOG_USER);
   syslog(LOG_ERR,
-         "the player was killed, and its tactor board cannot be stopped: %s; its motors may still "
-         "be on: switch their supply off",
-         why.c_str());
+         "the player has ended without stopping its tactor board, which cannot be stopped: %s",
+         tactor::advice_after(why).c_str());
   return 1;
 }
 

@@ -1,9 +1,30 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/auto_driver.h"
 
+#include <mutex>
+#include <set>
 #include <utility>
 
 namespace tactor {
+
+namespace {
+
+/// Whether this was not yet said in this process: a device that is no board may be plugged in for
+/// good.
+bool
+is_news(const std::string &text)
+{
+  struct Said
+  {
+    std::mutex mutex;
+    std::set<std::string> texts; ///< guarded by the mutex
+  };
+  static auto *said = new Said; // never destroyed, as threads may play while the process exits
+  const std::lock_guard lock(said->mutex);
+  return said->texts.insert(text).second;
+}
+
+} // namespace
 
 AutoDriver::AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> simulator)
     : board_(std::move(board)), simulator_(std::move(simulator)), chosen_(board_.get())
@@ -34,10 +55,11 @@ AutoDriver::open(const DriverConfig &config)
   chosen_ = simulator_.get();
   if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
     return simulated;
-  // A device that cannot be used may or may not be the one meant.
-  const bool is_there = kind != DriverError::Kind::not_found;
+  // A device that cannot be used, or was not asked, may or may not be the one meant.
+  const bool may_be_there
+      = kind == DriverError::Kind::not_asked ? is_news(why) : kind != DriverError::Kind::not_found;
   if (config.notify)
-    config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
+    config.notify({ may_be_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
                     "the motors are simulated: " + why });
   return {};
 }

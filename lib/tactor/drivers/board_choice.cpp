@@ -50,16 +50,19 @@ choose_boards(const std::vector<SerialDevice> &all, const std::string &name, boo
     else if (name.empty())
       choice.passed_over.push_back(device);
   }
-  if (asks_a_stranger && choice.wanted.empty()) {
-    std::vector<SerialDevice> &others = choice.passed_over;
-    const auto may_be_asked = [&](const SerialDevice &device) {
-      return !known.has_refused(device);
-    };
-    const auto only = std::ranges::find_if(others, may_be_asked);
-    if (std::ranges::count_if(others, may_be_asked) == 1) {
-      choice.stranger = std::move(*only);
-      others.erase(only);
-    }
+  if (!choice.wanted.empty())
+    return choice;
+  std::vector<SerialDevice> &others = choice.passed_over;
+  const auto may_be_one = [&](const SerialDevice &device) {
+    return !known.has_refused(device);
+  };
+  const auto count = std::ranges::count_if(others, may_be_one);
+  if (asks_a_stranger && count == 1) {
+    const auto only = std::ranges::find_if(others, may_be_one);
+    choice.stranger = std::move(*only);
+    others.erase(only);
+  } else {
+    choice.may_lack_one = count > 0;
   }
   return choice;
 }

@@ -21,6 +21,7 @@ struct BoardChoice
   std::vector<SerialDevice> wanted;        ///< to ask first, in this order
   std::optional<SerialDevice> stranger;    ///< to ask without a reset, if none was wanted
   std::vector<SerialDevice> passed_over{}; ///< not to be asked: each may be anything
+  bool may_lack_one = false; ///< one that was passed over was never asked: it may be the board
 };
 
 /// `name` is a serial number or a bus path, whose devices are wanted. If it is empty, those are

@@ -60,10 +60,10 @@ summary(const std::vector<DriverError> &refusals)
 }
 
 DriverError
-refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices)
+refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices, bool may_be_one)
 {
   if (name.empty())
-    return { Kind::not_found,
+    return { may_be_one ? Kind::not_asked : Kind::not_found,
              devices.empty()
                  ? "no tactor board is plugged in; expected one with StandardFirmata on USB"
                  : "no board that is known to be a tactor board is plugged in" };

@@ -27,8 +27,9 @@ std::optional<DriverError> refusal_of_board(const SerialDevice &device, const Fi
 DriverError summary(const std::vector<DriverError> &refusals);
 
 /// Why no board was asked: none of `devices` is the one with this name, or, if that is empty, known
-/// to be one.
-DriverError refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices);
+/// to be one. `may_be_one`: one of them may be.
+DriverError refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices,
+                            bool may_be_one);
 
 /// To be appended: what a user does so that one of these devices is asked. Empty if there is none.
 std::string advice(const std::vector<SerialDevice> &not_asked);

@@ -8,6 +8,12 @@
 
 namespace tactor {
 
+namespace {
+
+constexpr Time kTryBusyAgain = std::chrono::milliseconds(50);
+
+} // namespace
+
 FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
     : FirmataDriver(firmware, std::move(make_bus), Settings{})
 {
@@ -37,13 +43,10 @@ FirmataDriver::reset()
 }
 
 void
-FirmataDriver::wake()
+FirmataDriver::wake(Lock &lock)
 {
-  std::stop_source opening;
-  {
-    const std::lock_guard lock(mutex_);
-    opening = opening_;
-  }
+  std::stop_source opening = opening_;
+  lock.unlock();
   opening.request_stop();
 }
 
@@ -112,10 +115,12 @@ FirmataDriver::run(Lock &lock)
     if (quit_)
       break;
     status_.is_there = false;
+    const bool was_guarded = guardian_.has_value();
     // Devices in other sockets now are other boards.
     identity_->look_at(list(lock, *bus).value_or(std::vector<SerialDevice>()));
     tell(lock, DriverEvent::Kind::lost,
          describe(device_) + ": " + why
+             + (may_run_ ? "; its motors may still be on if it has a supply of its own" : "")
              + (identity_->is_of_its_socket()
                     ? "; it is looked for at " + device_.bus_path + " alone"
                     : ""));
@@ -125,6 +130,8 @@ FirmataDriver::run(Lock &lock)
       break;
     status_.reconnects++;
     tell(lock, DriverEvent::Kind::returned, status_.board + " is back");
+    if (was_guarded && !guardian_)
+      tell_no_watchdog(lock);
   }
 
   realtime_.reset();
@@ -158,8 +165,7 @@ FirmataDriver::watched_bus(Lock &lock)
 tl::expected<std::vector<SerialDevice>, DriverError>
 FirmataDriver::list(Lock &lock, SerialBus &bus)
 {
-  const Unlocked unlocked(lock);
-  return bus.list();
+  return without(lock, [&] { return bus.list(); });
 }
 
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
@@ -169,14 +175,16 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   if (!listed)
     return tl::unexpected(listed.error());
   std::vector<SerialDevice> devices = std::move(*listed);
-  const BoardChoice choice
-      = choose_boards(devices, config_.device, config_.asks_a_stranger, known_boards_);
+  // Known boards are in a file, whose disk may be slow.
+  const BoardChoice choice = without(lock, [&] {
+    return choose_boards(devices, config_.device, config_.asks_a_stranger, known_boards_);
+  });
   std::vector<SerialDevice> asked = choice.wanted;
   if (choice.stranger)
     asked.push_back(*choice.stranger);
   std::vector<DriverError> refusals;
   if (asked.empty())
-    refusals.push_back(refusal_of_none(config_.device, devices));
+    refusals.push_back(refusal_of_none(config_.device, devices, choice.may_lack_one));
   for (const SerialDevice &device : asked) {
     tl::expected<std::unique_ptr<SerialPort>, DriverError> port
         = connect(lock, bus, device, choice.stranger.has_value());
@@ -188,20 +196,14 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       use_account(identity_->is_of_its_socket() ? "USB " + device.bus_path : device.serial);
       return_refusals_.clear();
       std::erase(devices, device);
+      const bool is_known = without(lock, [&] { return known_boards_.has(device); });
       tell(lock, DriverEvent::Kind::opened,
            status_.board + ": " + status_.firmware + ", tactors on pins " + describe(status_.pins)
-               + (known_boards_.has(device) ? "" : "; it cannot be remembered for the next play")
+               + (is_known ? "" : "; it cannot be remembered for the next play")
                + (devices.empty() ? ""
                                   : "; another is chosen by device=SERIAL or device=BUS-PATH: "
                                         + describe(devices)));
-      if (!status_.has_watchdog)
-        tell(lock, DriverEvent::Kind::warning,
-             status_.board + ": " + status_.firmware
-                 + " has no watchdog: motors run on if this computer hangs"
-                 + (guardian_          ? ""
-                    : config_.guardian ? " or the player is killed, as " + status_.guardian
-                                       : " or the player is killed")
-                 + "; the seat firmware has one (docs/hardware)");
+      tell_no_watchdog(lock);
       return port;
     }
     if (quit_)
@@ -211,6 +213,20 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   DriverError refusal = summary(refusals);
   refusal.text += advice(choice.passed_over);
   return tl::unexpected(refusal);
+}
+
+/// A warning about a board whose motors run on without this process.
+void
+FirmataDriver::tell_no_watchdog(Lock &lock)
+{
+  if (!status_.has_watchdog)
+    tell(lock, DriverEvent::Kind::warning,
+         status_.board + ": " + status_.firmware
+             + " has no watchdog: motors run on if this computer hangs"
+             + (guardian_          ? ""
+                : config_.guardian ? " or the player is killed, as " + status_.guardian
+                                   : " or the player is killed")
+             + "; the seat firmware has one (docs/hardware)");
 }
 
 /// Waits until a look is due and looks for the lost board. Null if it is not there or not usable.
@@ -249,11 +265,7 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger)
 {
-  LineUse use;
-  {
-    const Unlocked unlocked(lock);
-    use = bus.use(device);
-  }
+  const LineUse use = without(lock, [&] { return bus.use(device); });
   const bool is_wanted = config_.asks_a_stranger || !config_.device.empty();
   if (std::optional<DriverError> refusal = refusal_of_use(device, use, is_wanted))
     return tl::unexpected(*refusal);
@@ -280,11 +292,13 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   lost_.reset();
   board_.emplace(steady_now(), settings_.patience);
   tl::expected<std::unique_ptr<SerialPort>, DriverError> port;
-  {
+  const Time begun = steady_now();
+  do {
     const std::stop_token stop = opening_.get_token();
-    const Unlocked unlocked(lock);
-    port = bus.open(device, std::move(events), stop);
-  }
+    port = without(lock, [&] { return bus.open(device, events, stop); });
+  } while (!port && port.error().kind == DriverError::Kind::busy
+           && steady_now() < begun + settings_.busy
+           && !changed_.wait_for(lock, kTryBusyAgain, [this] { return quit_; }));
   if (!port) {
     board_.reset();
     return port;
@@ -327,11 +341,12 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
 bool
 FirmataDriver::remember_refusal(Lock &lock, const SerialDevice &device)
 {
-  const Unlocked unlocked(lock);
-  if (!device.serial.empty() && known_boards_.has(device))
-    return false;
-  known_boards_.refuse(device);
-  return true;
+  return without(lock, [&] {
+    if (!device.serial.empty() && known_boards_.has(device))
+      return false;
+    known_boards_.refuse(device);
+    return true;
+  });
 }
 
 /// Talks to the board until `is_done` or the port is lost.
@@ -348,11 +363,7 @@ FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_d
     if (board_->state() == FirmataBoard::State::failed) {
       lost_ = board_->failure();
     } else if (!bytes.empty()) {
-      bool is_taken;
-      {
-        const Unlocked unlocked(lock);
-        is_taken = port.write(bytes);
-      }
+      const bool is_taken = without(lock, [&] { return port.write(bytes); });
       if (!is_taken && !lost_)
         lost_ = "it does not take what it is sent";
     } else if ((this->*is_done)()) {
@@ -392,10 +403,8 @@ FirmataDriver::guard(Lock &lock)
   status_.guardian = status_.has_watchdog || config_.guardian ? "" : "off";
   if (status_.has_watchdog || !config_.guardian)
     return;
-  tl::expected<Guardian, std::string> started = [&] {
-    const Unlocked unlocked(lock);
-    return Guardian::start(device_.bus_path);
-  }();
+  tl::expected<Guardian, std::string> started
+      = without(lock, [&] { return Guardian::start(device_.bus_path); });
   status_.guardian = started ? "running" : started.error();
   if (started)
     guardian_ = std::move(*started);
@@ -407,17 +416,14 @@ void
 FirmataDriver::make_sure(Lock &lock, SerialBus &bus)
 {
   if (may_run_) {
-    const tl::expected<void, DriverError> stopped = [&] {
-      const Unlocked unlocked(lock);
+    const tl::expected<void, DriverError> stopped = without(lock, [&] {
       bool may_pulse = true;
       return stop_board(bus, device_, &may_pulse, settings_.stop_patience);
-    }();
+    });
     may_run_ = !stopped;
-    // One that is unplugged is without power, or its loss was told.
-    if (!stopped && stopped.error().kind != DriverError::Kind::not_found) {
+    if (!stopped) {
       status_.may_run = true;
-      tell(lock, DriverEvent::Kind::not_stopped,
-           stopped.error().text + "; its motors may still be on: switch their supply off");
+      tell(lock, DriverEvent::Kind::not_stopped, advice_after(stopped.error()));
     }
   }
   if (guardian_ && !may_run_)

@@ -50,6 +50,8 @@ public:
     FirmataPatience patience{};
     StopPatience stop_patience{};
     Time look_again = std::chrono::seconds(1);
+    /// For a board that is in use: the guardian of the last play may be stopping it.
+    Time busy = std::chrono::seconds(1);
     std::filesystem::path known_boards = KnownBoards::default_file(); ///< see KnownBoards
   };
 
@@ -79,13 +81,14 @@ private:
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
   void guard(Lock &lock);
+  void tell_no_watchdog(Lock &lock);
   void make_sure(Lock &lock, SerialBus &bus);
   bool has_answered() const;
   bool is_quitting() const;
   bool has_left() const;
 
   void reset() override;
-  void wake() override;
+  void wake(Lock &lock) override;
 
   const Firmware firmware_;
   const MakeBus make_bus_;

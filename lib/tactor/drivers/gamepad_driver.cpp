@@ -127,24 +127,17 @@ GamepadDriver::run(Lock &lock)
 {
   std::unique_ptr<Gamepads> gamepads;
   std::unique_ptr<GamepadPort> port;
-  std::optional<DriverError> refusal;
-  {
-    const Unlocked unlocked(lock);
-    if (tl::expected<std::unique_ptr<Gamepads>, DriverError> made = make_gamepads_())
-      gamepads = std::move(*made);
-    else
-      refusal = made.error();
-  }
-  if (gamepads) {
-    if (tl::expected<std::unique_ptr<GamepadPort>, DriverError> first = connect(lock, *gamepads))
-      port = std::move(*first);
-    else
-      refusal = first.error();
-  }
-  if (refusal)
-    refuse(*refusal);
-  else
+  const tl::expected<void, DriverError> connected
+      = without(lock, make_gamepads_)
+            .and_then([&](std::unique_ptr<Gamepads> &&made) {
+              gamepads = std::move(made);
+              return connect(lock, *gamepads);
+            })
+            .map([&](std::unique_ptr<GamepadPort> &&first) { port = std::move(first); });
+  if (connected)
     opened();
+  else
+    refuse(connected.error());
 
   while (port) {
     play(lock, *gamepads, *port);
@@ -172,11 +165,7 @@ GamepadDriver::run(Lock &lock)
 tl::expected<std::unique_ptr<GamepadPort>, DriverError>
 GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
 {
-  std::vector<Gamepad> all;
-  {
-    const Unlocked unlocked(lock);
-    all = gamepads.list();
-  }
+  std::vector<Gamepad> all = without(lock, [&] { return gamepads.list(); });
   DriverError refusal = refusal_of_none(config_.device, all);
   for (const Gamepad &gamepad : all) {
     if (!is_wanted(gamepad, config_.device))

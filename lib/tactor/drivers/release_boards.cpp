@@ -28,7 +28,7 @@ release_boards(const std::string &name, const MakeSerialBus &make_bus,
   }
   for (const SerialDevice &device : choice.passed_over)
     released.push_back(
-        { device, DriverError{ DriverError::Kind::not_found,
+        { device, DriverError{ DriverError::Kind::not_asked,
                                "it is not known to be a tactor board; if it is one, add --device="
                                    + device.bus_path } });
   return released;

@@ -83,11 +83,9 @@ ServerDriver::reset()
 }
 
 void
-ServerDriver::wake()
+ServerDriver::wake(Lock & /*lock*/)
 {
-  const std::lock_guard lock(mutex_);
-  if (socket_ != nullptr)
-    socket_->wake();
+  levels_written();
 }
 
 Layout
@@ -136,11 +134,8 @@ ServerDriver::levels_written()
 void
 ServerDriver::run(Lock &lock)
 {
-  tl::expected<Server, DriverError> server = [&] {
-    const std::string device = config_.device;
-    const Unlocked unlocked(lock);
-    return make_server_(device);
-  }();
+  tl::expected<Server, DriverError> server
+      = without(lock, [&] { return make_server_(config_.device); });
   std::optional<DeviceClaim> mine;
   if (server) {
     if (tl::expected<DeviceClaim, DriverError> claimed = claim(*server))
@@ -184,10 +179,7 @@ DriverError
 ServerDriver::visit(Lock &lock, Server &server, RealtimeThread &realtime)
 {
   while (true) {
-    Visit visit{ .server = server, .socket = [&] {
-                  const Unlocked unlocked(lock);
-                  return server.connect();
-                }() };
+    Visit visit{ .server = server, .socket = without(lock, server.connect) };
     socket_ = visit.socket.get();
     while (!visit.is_over) {
       realtime.turn();
@@ -250,11 +242,7 @@ ServerDriver::turn(Lock &lock, Visit &visit)
   by(visit.is_connected ? talk.deadline() : visit.begun + settings_.answer);
   by(silent_at());
   by(levels_end());
-  SocketEvent event;
-  {
-    const Unlocked unlocked(lock);
-    event = visit.socket->wait(until);
-  }
+  const SocketEvent event = without(lock, [&] { return visit.socket->wait(until); });
   receive(visit, event, steady_now());
 }
 

@@ -59,7 +59,7 @@ private:
   std::optional<Time> silent_at() const;
 
   void reset() override;
-  void wake() override;
+  void wake(Lock &lock) override;
   void levels_written() override;
 
   const MakeServer make_server_;

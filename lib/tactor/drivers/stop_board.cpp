@@ -100,4 +100,13 @@ stop_board(SerialBus &bus, const SerialDevice &device, bool *may_pulse,
   return tl::unexpected(DriverError{ DriverError::Kind::failed, describe(device) + ": " + why });
 }
 
+std::string
+advice_after(const DriverError &not_stopped)
+{
+  return not_stopped.text
+         + (not_stopped.kind == DriverError::Kind::not_found
+                ? "; if it has a supply of its own, its motors may still be on: switch that off"
+                : "; its motors may still be on: switch their supply off");
+}
+
 } // namespace tactor

@@ -4,6 +4,7 @@
 #include "tactor/serial/serial_port.h"
 
 #include <chrono>
+#include <string>
 
 namespace tactor {
 
@@ -24,5 +25,8 @@ struct StopPatience
 [[nodiscard]] tl::expected<void, DriverError> stop_board(SerialBus &bus, const SerialDevice &device,
                                                          bool *may_pulse,
                                                          const StopPatience &patience = {});
+
+/// What a user is told after such an error.
+std::string advice_after(const DriverError &not_stopped);
 
 } // namespace tactor

@@ -15,7 +15,7 @@ ThreadedDriver::open(const DriverConfig &config)
   {
     const std::lock_guard lock(mutex_);
     config_ = config;
-    quit_ = false;
+    quit_ = was_left_ = false;
     refusal_.reset();
     status_ = {};
     levels_.clear();
@@ -24,8 +24,9 @@ ThreadedDriver::open(const DriverConfig &config)
     reset();
     runs_ = true;
   }
-  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
-  const std::stop_callback stopped(config.stop, [this] { quit(); });
+  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); },
+                                              [this] { stay(); });
+  const std::stop_callback stopped(config.stop, [this] { quit(Lock(mutex_)); });
   std::optional<DriverError> refusal;
   tl::expected<Thread, DriverError> thread = Thread::start([this] {
     Lock lock(mutex_);
@@ -59,7 +60,7 @@ ThreadedDriver::tactors() const
 void
 ThreadedDriver::close() noexcept
 {
-  quit();
+  quit(Lock(mutex_));
   thread_.join();
   guard_.reset(); // without the lock, which leave() takes
   const std::lock_guard lock(mutex_);
@@ -71,6 +72,12 @@ tl::expected<void, DriverError>
 ThreadedDriver::write(std::span<const double> volts, Time)
 {
   const std::lock_guard lock(mutex_);
+  if (was_left_)
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::failed,
+                     status_.board
+                         + " was released, as a signal was about to end the process, and then the "
+                           "application handled that; stop the film and play it again" });
   std::vector<double> levels;
   const auto used = std::min(volts.size(), static_cast<std::size_t>(tactors_));
   for (std::size_t i = 0; i < used; i++) // NaN is 0
@@ -173,23 +180,31 @@ ThreadedDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text
 
 /// Has the thread stop the motors, release the device and end. Any thread.
 void
-ThreadedDriver::quit()
+ThreadedDriver::quit(Lock lock)
 {
-  {
-    const std::lock_guard lock(mutex_);
-    quit_ = true;
-    changed_.notify_all();
-  }
-  wake();
+  quit_ = true;
+  changed_.notify_all();
+  wake(lock);
 }
 
-/// Motors to zero and the device released, by `until` at the latest. On TerminationGuard's thread.
+/// Motors to zero and the device released, by `until` at the latest, whoever has the mutex. On
+/// TerminationGuard's thread.
 void
 ThreadedDriver::leave(std::chrono::steady_clock::time_point until)
 {
-  quit();
-  Lock lock(mutex_);
-  changed_.wait_until(lock, until, [this] { return !runs_; });
+  if (Lock lock(mutex_, until); lock)
+    quit(std::move(lock));
+  if (Lock lock(mutex_, until); lock)
+    changed_.wait_until(lock, until, [this] { return !runs_; });
+}
+
+/// After leave(). On the same thread.
+void
+ThreadedDriver::stay()
+{
+  const std::lock_guard lock(mutex_);
+  was_left_ = quit_;
+  status_.is_there = false;
 }
 
 } // namespace tactor

@@ -20,6 +20,7 @@ namespace tactor {
 /// the limits of the device's account do not allow it cuts itself, whoever is late.
 ///
 /// If a signal or exit() ends the process, the thread stops the motors first: see TerminationGuard.
+/// Where the application goes on after the signal, write() fails from then on.
 class ThreadedDriver : public Driver
 {
 public:
@@ -41,8 +42,9 @@ protected:
   virtual void run(Lock &lock) = 0;
   /// Forgets the last play. With the lock, without a thread.
   virtual void reset() = 0;
-  /// quit_ was set: ends what run() waits for besides changed_. Without the lock; any thread.
-  virtual void wake()
+  /// quit_ was set: ends what run() waits for besides changed_. With the lock, which it may
+  /// release; any thread.
+  virtual void wake(Lock & /*lock*/)
   {
   }
 
@@ -86,10 +88,12 @@ protected:
   DriverStatus status_now() const; ///< with the lock
 
 private:
-  void quit();
+  void quit(Lock lock);
   void leave(std::chrono::steady_clock::time_point until);
+  void stay();
 
-  bool runs_ = false;                      ///< the thread has the device; guarded by the mutex
+  bool runs_ = false;     ///< the thread has the device; guarded by the mutex
+  bool was_left_ = false; ///< for a signal that did not end the process; guarded by the mutex
   std::optional<DriverError> refusal_;     ///< guarded by the mutex
   bool is_new_ = false;                    ///< levels_ were not taken; guarded by the mutex
   std::shared_ptr<DeviceAccount> account_; ///< of the last device; guarded by the mutex

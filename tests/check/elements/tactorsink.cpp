@@ -4,6 +4,9 @@
 // tests its input.
 #include "support/tactorsink_rig.h"
 
+#include "support/contains.h"
+#include <gst/base/gstbasesink.h>
+
 /// A rise from rest to full scale: 64.54 ms by Eq. 1. That is 1.6 frames of 40 ms, so two with
 /// frame-block.
 static void
@@ -457,6 +460,43 @@ GST_START_TEST(test_late_is_counted_and_reported)
 }
 GST_END_TEST;
 
+/// What is posted as the stream goes on is posted without the preroll lock: a handler may pause the
+/// pipeline.
+GST_START_TEST(test_messages_without_the_preroll_lock)
+{
+  struct Told
+  {
+    std::string free;
+    std::string locked;
+  } told;
+  const auto look = [](GstBus *, GstMessage *message, gpointer data) {
+    if ((GST_MESSAGE_TYPE(message) & (GST_MESSAGE_ELEMENT | GST_MESSAGE_WARNING)) == 0)
+      return GST_BUS_PASS;
+    GMutex *lock = GST_BASE_SINK_GET_PREROLL_LOCK(GST_MESSAGE_SRC(message));
+    const bool is_free = g_mutex_trylock(lock);
+    if (is_free)
+      g_mutex_unlock(lock);
+    const GstStructure *structure = gst_message_get_structure(message);
+    auto *told = static_cast<Told *>(data);
+    (is_free ? told->free : told->locked) += std::string(gst_structure_get_name(structure)) + " ";
+    return GST_BUS_PASS;
+  };
+  SinkRig rig("application/x-tactile-map,rows=1,columns=1,framerate=0/1");
+  gst_bus_set_sync_handler(rig.messages.bus, look, &told, nullptr);
+  rig.start();
+  gst_test_clock_set_time(rig.clock, 1150 * kMs);
+  rig.run_to_end([&] {
+    rig.push(1000 * kMs, { 1.0f }); // late
+    rig.push(1200 * kMs, { 0.5f });
+    rig.push(GST_CLOCK_TIME_NONE, { 1.0f }, GST_CLOCK_TIME_NONE); // a warning
+    rig.push(1400 * kMs, { 0.0f });
+  });
+  rig.finish();
+  assert_text(told.locked, "");
+  assert_text(told.free, "tactor-lead-short GstMessageWarning tactor-stats ");
+}
+GST_END_TEST;
+
 /// The thread that issues commands is real-time where permitted, and reports its scheduling.
 GST_START_TEST(test_realtime)
 {
@@ -559,6 +599,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_sync_false_issues_every_command);
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_late_is_counted_and_reported);
+  tcase_add_test(cases, test_messages_without_the_preroll_lock);
   tcase_add_test(cases, test_realtime);
   tcase_add_test(cases, test_stale_commands_coalesce);
   tcase_add_test(cases, test_null_while_playing_is_silent);

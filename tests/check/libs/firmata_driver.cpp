@@ -4,8 +4,11 @@
 // firmata_driver_choice tests how it finds one.
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <random>
+#include <sys/stat.h>
 #include <thread>
+#include <unistd.h>
 
 #include "firmata_driver_rig.h"
 #include "support/realtime.h"
@@ -145,6 +148,34 @@ GST_START_TEST(test_unplug_and_replug)
     rig.driver.close(); // while it is unplugged
     fail_unless(rig.mega.model.is_silent());
   }
+}
+GST_END_TEST;
+
+/// A board that is back without the guardian that it had: the warning comes once more.
+GST_START_TEST(test_guardian_is_missed)
+{
+  DriverRig rig;
+  const std::string guardian = rig.folder.file("guardian", "#!/bin/sh\nexec cat\n");
+  fail_unless(chmod(guardian.c_str(), 0700) == 0);
+  setenv("VISUOTACTILE_GUARDIAN", guardian.c_str(), 1);
+  rig.sockets.plug(rig.mega);
+  DriverConfig config = rig.config();
+  config.guardian = true;
+  unwrap(rig.driver.open(config));
+  assert_text(rig.driver.status().guardian, "running");
+  for (int times = 1; times <= 3; times++) {
+    if (times == 2)
+      fail_unless(unlink(guardian.c_str()) == 0);
+    rig.sockets.unplug(rig.mega);
+    rig.wait_for(EventKind::lost, times);
+    rig.sockets.plug(rig.mega);
+    rig.wait_for(EventKind::returned, times);
+  }
+  rig.driver.close();
+  ck_assert_int_eq(rig.count(EventKind::warning), 2); // the first one as it was opened
+  const DriverEvent last = *std::ranges::find(rig.events.rbegin(), rig.events.rend(),
+                                              EventKind::warning, &DriverEvent::kind);
+  assert_contains(last.text, { "or the player is killed, as", guardian.c_str(), "No such file" });
 }
 GST_END_TEST;
 
@@ -290,6 +321,7 @@ firmata_driver_suite(void)
   tcase_add_test(tests, test_realtime);
   tcase_add_test(tests, test_destroyed);
   tcase_add_test(tests, test_unplug_and_replug);
+  tcase_add_test(tests, test_guardian_is_missed);
   tcase_add_test(tests, test_unplug_in_each_phase);
   tcase_add_test(tests, test_stalled_board);
   tcase_add_test(tests, test_scheduler_hangs);

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "firmata_driver_rig.h"
 
@@ -236,11 +237,11 @@ struct StrangersRig : DriverRig
     return config;
   }
   /// The refusal of a play that touches no device.
-  std::string untouched(const DriverConfig &config)
+  std::string untouched(const DriverConfig &config, Kind kind = Kind::not_asked)
   {
     const int opens = mega.opens + uno.opens;
     const DriverError error = refusal_of(driver.open(config));
-    fail_unless(error.kind == Kind::not_found, "%s", error.text.c_str());
+    fail_unless(error.kind == kind, "%s", error.text.c_str());
     ck_assert_int_eq(mega.opens + uno.opens, opens);
     return error.text;
   }
@@ -316,7 +317,8 @@ GST_START_TEST(test_refusals_are_remembered)
   rig.sockets.plug(rig.mega);
   assert_contains(rig.refusal().text, { "does not answer", "device=1-2" });
   for (const DriverConfig &config : { rig.careful(), rig.config() })
-    assert_contains(rig.untouched(config), { "Arduino Mega 2560", "--device=1-2" });
+    assert_contains(rig.untouched(config, Kind::not_found), // it was asked, and is none
+                    { "Arduino Mega 2560", "--device=1-2" });
   // Another one is the only stranger now.
   rig.sockets.plug(rig.uno);
   rig.open();
@@ -368,6 +370,28 @@ GST_START_TEST(test_in_use)
   careful.device = "1-2";
   unwrap(rig.driver.open(careful));
   unwrap(rig.driver.open(rig.config()));
+}
+GST_END_TEST;
+
+/// A board that is busy is tried again: the guardian of the last play may be stopping it. Stopping
+/// ends that.
+GST_START_TEST(test_busy_for_a_while)
+{
+  for (const bool stops : { false, true }) {
+    DriverRig rig(Firmware::any, kEndless, 1h, {}, 1h);
+    rig.sockets.plug(rig.mega);
+    rig.mega.refusal = Kind::busy;
+    const std::jthread other([&] {
+      rig.sockets.wait([&] { return rig.mega.opens == 3; });
+      if (stops)
+        rig.stop.request_stop();
+      else
+        rig.sockets.locked([&] { rig.mega.refusal.reset(); });
+    });
+    fail_unless(rig.driver.open(rig.config()).has_value() == !stops);
+    fail_unless(rig.mega.is_open == !stops);
+    rig.driver.close();
+  }
 }
 GST_END_TEST;
 
@@ -570,6 +594,21 @@ GST_START_TEST(test_auto)
     fail_unless(driver.tactors() == 0);
   }
 
+  // A device that was never asked causes a warning, once in this process.
+  MemoryBoard printer(device("P", "1-9", "Printer"), kMega);
+  rig.sockets.unplug(rig.uno);
+  rig.sockets.plug(printer);
+  for (const EventKind kind : { EventKind::warning, EventKind::opened }) {
+    rig.events.clear();
+    unwrap(driver.open(rig.config()));
+    assert_contains(rig.text(kind), { "simulated", "not asked", "--device=1-9" });
+    ck_assert_uint_eq(rig.events.size(), 1);
+  }
+  ck_assert_int_eq(printer.opens, 0);
+  driver.close();
+  rig.sockets.unplug(printer);
+  rig.sockets.plug(rig.uno);
+
   // A board that may not be opened causes a warning.
   rig.uno.refusal = Kind::permission;
   rig.events.clear();
@@ -597,6 +636,7 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_refusals_are_remembered);
   tcase_add_test(tests, test_no_memory);
   tcase_add_test(tests, test_in_use);
+  tcase_add_test(tests, test_busy_for_a_while);
   tcase_add_test(tests, test_release_boards);
   tcase_add_test(tests, test_twin_is_not_taken);
   tcase_add_test(tests, test_socket_is_named);

@@ -43,11 +43,12 @@ class DriverRig
 {
 public:
   explicit DriverRig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
-                     Time look_again = 1h, StopPatience stop_patience = {})
+                     Time look_again = 1h, StopPatience stop_patience = {}, Time busy = 0s)
       : driver(firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
                { .patience = patience,
                  .stop_patience = stop_patience,
                  .look_again = look_again,
+                 .busy = busy,
                  .known_boards = folder.file("boards") })
   {
     for (const MemoryBoard *board : { &mega, &uno, &seat })

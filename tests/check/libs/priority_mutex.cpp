@@ -75,7 +75,14 @@ GST_START_TEST(test_excludes_others)
   other.join();
   ck_assert_int_eq(count, 40'000);
   fail_unless(mutex.try_lock());
-  std::thread([&] { fail_if(mutex.try_lock()); }).join();
+  std::thread([&] {
+    fail_if(mutex.try_lock());
+    const auto soon = std::chrono::steady_clock::now() + 5ms;
+    fail_if(mutex.try_lock_until(soon));
+    fail_unless(std::chrono::steady_clock::now() >= soon);
+  }).join();
+  mutex.unlock();
+  fail_unless(mutex.try_lock_until({})); // nobody has it
   mutex.unlock();
 }
 GST_END_TEST;

@@ -4,14 +4,17 @@
 #include "tactor/termination.h"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <sched.h>
 #include <string>
+#include <sys/ptrace.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -61,6 +64,12 @@ public:
   Process(const Process &) = delete;
   Process &operator=(const Process &) = delete;
 
+  /// In the child: with each thread traced by the parent, which goes on with follow().
+  static void be_traced()
+  {
+    ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
+    raise(SIGSTOP);
+  }
   // In the child
   void say(char c)
   {
@@ -104,6 +113,33 @@ public:
     if (permission_[1] >= 0)
       close(std::exchange(permission_[1], -1));
   }
+  /// Runs a process that is traced to its end. The thread that got `signal` last.
+  pid_t follow(int signal)
+  {
+    pid_t last = 0;
+    int status = 0;
+    fail_unless(waitpid(pid_, &status, 0) == pid_ && WIFSTOPPED(status));
+    ptrace(PTRACE_SETOPTIONS, pid_, nullptr, PTRACE_O_TRACECLONE | PTRACE_O_EXITKILL);
+    ptrace(PTRACE_CONT, pid_, nullptr, nullptr);
+    for (pid_t thread = 0; (thread = waitpid(-1, &status, __WALL)) > 0;) {
+      if (WIFSTOPPED(status)) {
+        // A new thread, and the one that made it, stop without a signal.
+        const int got
+            = WSTOPSIG(status) == SIGSTOP || WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
+        if (got == signal)
+          last = thread;
+        ptrace(PTRACE_CONT, thread, nullptr, got);
+      } else if (thread == pid_) {
+        status_ = status;
+        break;
+      }
+    }
+    return last;
+  }
+  pid_t id() const
+  {
+    return pid_;
+  }
   /// Everything it writes until its end.
   std::string end()
   {
@@ -111,8 +147,8 @@ public:
     while (const char c = hear())
       said += c;
     int status = 0;
-    waitpid(pid_, &status, 0);
-    status_ = status;
+    if (!status_ && waitpid(pid_, &status, 0) == pid_)
+      status_ = status;
     return said;
   }
   /// Whether this signal killed it.
@@ -187,6 +223,20 @@ GST_START_TEST(test_abort)
 }
 GST_END_TEST;
 
+/// The core is that of the thread which called abort(): that one gets the last signal.
+GST_START_TEST(test_core_of_abort)
+{
+  Process process([](Process &self) {
+    Process::be_traced();
+    const auto guard = self.guard();
+    std::abort();
+  });
+  ck_assert_int_eq(process.follow(SIGABRT), process.id());
+  assert_text(process.end(), "l");
+  fail_unless(process.died_of(SIGABRT));
+}
+GST_END_TEST;
+
 /// gst-launch-1.0 -e drops its handler at the first Ctrl-C: from then on the signal is caught.
 GST_START_TEST(test_application_drops_its_handler)
 {
@@ -218,20 +268,23 @@ GST_START_TEST(test_application_drops_its_handler)
 }
 GST_END_TEST;
 
-/// An application that handles the signal when the motors have been stopped goes on, and is as well
-/// guarded as before.
+/// An application that handles the signal when the motors have been stopped goes on, which is told,
+/// and is as well guarded as before.
 GST_START_TEST(test_application_handles_it_meanwhile)
 {
   Process process([](Process &self) {
     static Process *process = nullptr;
     process = &self;
     const auto guard = self.guard([] { std::signal(SIGTERM, [](int) { process->say('h'); }); });
+    const TerminationGuard told([](auto) {}, [&self] { self.say('s'); });
     self.wait_for_a_signal();
   });
   fail_unless(process.hear() == 'b');
   process.send(SIGTERM);
-  for (const char c : std::string("lh"))
-    fail_unless(process.hear() == c);
+  fail_unless(process.hear() == 'l');
+  const std::array said{ process.hear(), process.hear() }; // on two threads
+  const std::string both{ said.begin(), said.end() };
+  fail_unless(both == "hs" || both == "sh", "%s", both.c_str());
   process.send(SIGHUP);
   assert_text(process.end(), "l");
   fail_unless(process.died_of(SIGHUP));
@@ -343,6 +396,57 @@ GST_START_TEST(test_handlers_are_restored)
 }
 GST_END_TEST;
 
+namespace {
+
+// Where the catcher's thread is while the main thread ends it: about to catch signals once more.
+std::atomic<bool> catches_late{ false };
+std::atomic<bool> has_come{ false };
+std::atomic<bool> is_awaited{ false };
+
+} // namespace
+
+extern "C" int
+sigaction(int number, const struct sigaction *action, struct sigaction *before) noexcept
+{
+  static const auto next = reinterpret_cast<decltype(&sigaction)>(dlsym(RTLD_NEXT, "sigaction"));
+  if (catches_late && gettid() != getpid()) {
+    has_come = true;
+    while (!is_awaited)
+      sched_yield();
+  }
+  return next(number, action, before);
+}
+
+extern "C" int
+pthread_join(pthread_t thread, void **result)
+{
+  static const auto next
+      = reinterpret_cast<decltype(&pthread_join)>(dlsym(RTLD_NEXT, "pthread_join"));
+  is_awaited = true;
+  return next(thread, result);
+}
+
+/// Whatever the thread is about to do when the last guard goes.
+GST_START_TEST(test_handlers_are_restored_last)
+{
+  Process process([](Process &self) {
+    auto guard = self.guard();
+    is_awaited = false;
+    catches_late = true;
+    while (!has_come)
+      sched_yield();
+    guard.reset();
+    catches_late = false;
+    struct sigaction action
+    {
+    };
+    sigaction(SIGTERM, nullptr, &action);
+    self.say(action.sa_handler == SIG_DFL ? 'd' : 'c');
+  });
+  assert_text(process.end(), "d");
+}
+GST_END_TEST;
+
 /// A forked child has the handler but nothing to leave, and its parent plays on.
 GST_START_TEST(test_children)
 {
@@ -423,12 +527,14 @@ termination_suite(void)
   tcase_add_test(tests, test_signals);
   tcase_add_test(tests, test_further_signals);
   tcase_add_test(tests, test_abort);
+  tcase_add_test(tests, test_core_of_abort);
   tcase_add_test(tests, test_application_drops_its_handler);
   tcase_add_test(tests, test_application_handles_it_meanwhile);
   tcase_add_test(tests, test_all_guards_leave);
   tcase_add_test(tests, test_exit);
   tcase_add_test(tests, test_application_takes_precedence);
   tcase_add_test(tests, test_handlers_are_restored);
+  tcase_add_test(tests, test_handlers_are_restored_last);
   tcase_add_test(tests, test_children);
   tcase_add_test(tests, test_children_with_boards);
   tcase_add_test(tests, test_time_limit);
