@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/priority_mutex.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <ctime>
 
 namespace tactor {
 
-/// 0 at least.
 static timespec
 as_timespec(std::chrono::nanoseconds time)
 {
-  const auto since = std::max(time, std::chrono::nanoseconds(0));
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(since);
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
   return { .tv_sec = static_cast<time_t>(seconds.count()),
-           .tv_nsec = static_cast<long>((since - seconds).count()) };
+           .tv_nsec = static_cast<long>((time - seconds).count()) };
 }
 
 PriorityMutex::PriorityMutex()

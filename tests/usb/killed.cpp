@@ -108,10 +108,9 @@ GST_START_TEST(test_guardians_words)
 {
   Chair chair;
   Program guardian({ g_getenv("VISUOTACTILE_GUARDIAN"), "1-1" });
-  chair.board.ignore_dtr(true);
-  chair.board.stall(true);
+  chair.board.garble([](Bytes &reply) { reply.clear(); });
   guardian.leave();
-  fail_unless(chair.board.wait_until([&] { return chair.board.hosts() == 1; }));
+  fail_unless(chair.board.wait_until([&] { return chair.firmware->resets() > 0; }));
   chair.board.unplug();
   const int status = guardian.wait();
   fail_unless(WIFEXITED(status) && WEXITSTATUS(status) == 1);

@@ -144,6 +144,44 @@ GST_START_TEST(test_a_cut_level_rests)
 }
 GST_END_TEST;
 
+/// One that was cut, let go and wanted again at once begins when the shortest rest is over: that is
+/// another cue.
+GST_START_TEST(test_a_cut_level_is_wanted_again)
+{
+  DeviceAccount account;
+  account.set_limits({ .max_on_time = 1s, .max_duty = 0 });
+  Device device(account, 1);
+  device.write(0, 1, 0s); // cut at 1.01 s
+  device.write(0, 0, 1020ms);
+  device.write(0, 1, 1030ms);
+  fail_if(device.is_on(0));
+  device.run_to(1010ms + DeviceAccount::kShortestRest);
+  fail_unless(device.is_on(0));
+  device.run_to(2s);
+  fail_unless(device.is_on(0));
+  ck_assert_uint_eq(account.cuts(), 1);
+}
+GST_END_TEST;
+
+/// Motors beyond the levels are at zero, and a device that is gone has no levels at all.
+GST_START_TEST(test_motors_without_levels)
+{
+  DeviceAccount account;
+  account.set_limits({ .max_on_time = 1s, .max_duty = 0 });
+  std::vector<double> levels{ 1 };
+  account.admit(levels, 0s);
+  account.admit({}, 500ms);
+  fail_if(account.deadline());
+  account.admit(levels, 2s);
+  fail_unless(levels[0] == 1);
+  // Of a motor that is on, the time until now counts, and no more.
+  const MotorUse use = account.uses(2500ms).at(0);
+  fail_if(use.is_on());
+  fail_unless(use.off_since() == 2500ms);
+  ck_assert_uint_eq(account.cuts(), 0);
+}
+GST_END_TEST;
+
 /// An application that restarts its pipeline every two seconds: each play has a new planner and a
 /// new running time. The limit of the device is that of one long play, and it is the planner that
 /// keeps it.
@@ -212,6 +250,8 @@ device_account_suite(void)
   tcase_add_test(cases, test_limits_hold_whoever_is_late);
   tcase_add_test(cases, test_nothing_is_cut_of_what_is_in_time);
   tcase_add_test(cases, test_a_cut_level_rests);
+  tcase_add_test(cases, test_a_cut_level_is_wanted_again);
+  tcase_add_test(cases, test_motors_without_levels);
   tcase_add_test(cases, test_restarts_get_no_new_account);
   tcase_add_test(cases, test_resumed_account_is_on_any_time_line);
   suite_add_tcase(suite, cases);

@@ -22,17 +22,24 @@ using tactor::PriorityMutex;
 
 namespace {
 
-/// The present priority of a thread: −2 for the lowest real-time one, else 0 to 39 (proc(5)).
-int
-priority_of(pid_t thread)
+/// A field of /proc/PID/stat, 3 or above (proc(5)).
+std::string
+field_of(pid_t thread, int number)
 {
   std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
   const std::string text{ std::istreambuf_iterator<char>(file), {} };
   std::istringstream fields(text.substr(text.rfind(')') + 1));
   std::string field;
-  for (int i = 3; i <= 18; i++)
+  for (int i = 3; i <= number; i++)
     fields >> field;
-  return std::stoi(field);
+  return field;
+}
+
+/// The present priority of a thread: −2 for the lowest real-time one, else 0 to 39.
+int
+priority_of(pid_t thread)
+{
+  return std::stoi(field_of(thread, 18));
 }
 
 } // namespace
@@ -74,6 +81,21 @@ GST_START_TEST(test_excludes_others)
   one.join();
   other.join();
   ck_assert_int_eq(count, 40'000);
+
+  // One that comes meanwhile sleeps.
+  mutex.lock();
+  std::atomic<pid_t> comes{ 0 };
+  std::atomic<bool> has_it{ false };
+  std::thread late([&] {
+    comes = gettid();
+    const std::lock_guard lock(mutex);
+    has_it = true;
+  });
+  while (!comes || (field_of(comes, 3) != "S" && !has_it))
+    std::this_thread::yield();
+  fail_if(has_it);
+  mutex.unlock();
+  late.join();
   fail_unless(mutex.try_lock());
   std::thread([&] {
     fail_if(mutex.try_lock());
@@ -120,6 +142,33 @@ GST_START_TEST(test_condition)
 }
 GST_END_TEST;
 
+/// All that wait are woken.
+GST_START_TEST(test_all_are_notified)
+{
+  PriorityMutex mutex;
+  PriorityCondition changed;
+  int waiting = 0;
+  bool is_over = false;
+  const auto wait = [&] {
+    PriorityLock lock(mutex);
+    waiting++;
+    changed.wait(lock, [&] { return is_over; });
+  };
+  std::thread one(wait);
+  std::thread other(wait);
+  const auto both_wait = [&] {
+    const std::lock_guard lock(mutex);
+    is_over = waiting == 2;
+    return is_over;
+  };
+  while (!both_wait())
+    std::this_thread::yield();
+  changed.notify_all();
+  one.join();
+  other.join();
+}
+GST_END_TEST;
+
 static Suite *
 priority_mutex_suite(void)
 {
@@ -128,6 +177,7 @@ priority_mutex_suite(void)
   tcase_add_test(cases, test_holder_inherits_priority);
   tcase_add_test(cases, test_excludes_others);
   tcase_add_test(cases, test_condition);
+  tcase_add_test(cases, test_all_are_notified);
   suite_add_tcase(suite, cases);
   return suite;
 }
