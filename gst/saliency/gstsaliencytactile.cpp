@@ -295,9 +295,12 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   tactile::TactileMap felt
       = is_whole ? priv->analysis.map() : tactile::TactileMap(settings.rows, settings.columns);
   priv->limiter.limit(felt, time, settings.cue_limits);
-  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
-                              static_cast<guint>(felt.columns), felt.levels.data(),
-                              felt.levels.size());
+  GstTactileMeta *added = gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
+                                                      static_cast<guint>(felt.columns),
+                                                      felt.levels.data(), felt.levels.size());
+  gst_tactile_meta_set_video_direction(added, settings.video_direction == GST_VIDEO_ORIENTATION_AUTO
+                                                  ? priv->tags.method()
+                                                  : settings.video_direction);
   if (is_whole)
     gst_saliency_tactile_attach_saliency(self, settings, buffer);
 

@@ -35,13 +35,16 @@
 #include "../runningtime.h"
 #include "fusion/fusion.h"
 #include "gst/fusion/sound_meta.h"
+#include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
 
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
+#include <utility>
 
 using tactile::Mix;
 using tactile::TactileMap;
@@ -79,6 +82,15 @@ struct GstTactileCombinerPrivate
   guint columns = 0;
   std::optional<Held> held;
   fusion::Fusion fusion;
+  bool track_ended = false;
+  bool track_is_ahead = false; ///< its next stream began, the film's has not yet
+
+  /* What GstAggregator's own functions of the track's pad are called by; set before it has data. */
+  GstPadChainFunction chain_track = nullptr;
+  GstPadQueryFunction query_track = nullptr;
+  std::mutex mutex;
+  bool film_is_over = false; ///< guarded by mutex: maps of the track are refused
+  int queries = 0;           ///< guarded by mutex: serialized ones of the track that wait
 };
 
 struct _GstTactileCombiner
@@ -223,8 +235,11 @@ put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
   } else if (covers && held->is_sound) {
     add_sound_meta(frame, map);
   }
-  gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows), static_cast<guint>(map.columns),
-                              map.levels.data(), map.levels.size());
+  GstTactileMeta *put = gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows),
+                                                    static_cast<guint>(map.columns),
+                                                    map.levels.data(), map.levels.size());
+  if (own == nullptr)
+    gst_tactile_meta_set_video_direction(put, direction_at(GST_PAD(self->videopad)));
 }
 
 static GstAggregatorPad *
@@ -240,6 +255,28 @@ tactile_pad(GstTactileCombiner *self)
   return found;
 }
 
+/* A track that is longer than the film ends with it. GstAggregator of GStreamer 1.22 empties its
+ * pads then; since 1.24 a full one would block its streaming thread for ever. */
+static GstFlowReturn
+end_film(GstTactileCombiner *self)
+{
+  GstTactileCombinerPrivate *priv = self->priv;
+  GstAggregatorPad *track = tactile_pad(self);
+  if (track == nullptr)
+    return GST_FLOW_EOS;
+  bool is_over = true;
+  if (!priv->track_is_ahead) {
+    {
+      const std::lock_guard lock(priv->mutex);
+      priv->film_is_over = is_over = priv->queries == 0;
+    }
+    while (gst_aggregator_pad_drop_buffer(track))
+      ;
+  }
+  gst_object_unref(track);
+  return is_over ? GST_FLOW_EOS : GST_AGGREGATOR_FLOW_NEED_DATA; /* once they are answered */
+}
+
 static GstFlowReturn
 gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
 {
@@ -247,7 +284,8 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
 
   GstBuffer *frame = gst_aggregator_pad_peek_buffer(self->videopad);
   if (frame == nullptr)
-    return gst_aggregator_pad_is_eos(self->videopad) ? GST_FLOW_EOS : GST_AGGREGATOR_FLOW_NEED_DATA;
+    return gst_aggregator_pad_is_eos(self->videopad) ? end_film(self)
+                                                     : GST_AGGREGATOR_FLOW_NEED_DATA;
   const std::optional<gint64> time = time_of(self->videopad, GST_BUFFER_PTS(frame));
   gst_buffer_unref(frame);
 
@@ -279,6 +317,71 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   return gst_aggregator_finish_buffer(aggregator, frame);
 }
 
+/* ---- the track's pad ---- */
+
+static GstFlowReturn
+track_chain(GstPad *pad, GstObject *parent, GstBuffer *map)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(parent)->priv;
+  {
+    const std::lock_guard lock(priv->mutex);
+    if (priv->film_is_over) {
+      gst_buffer_unref(map);
+      return GST_FLOW_EOS;
+    }
+  }
+  return priv->chain_track(pad, parent, map);
+}
+
+static gboolean
+track_query(GstPad *pad, GstObject *parent, GstQuery *query)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(parent)->priv;
+  if (!GST_QUERY_IS_SERIALIZED(query))
+    return priv->query_track(pad, parent, query);
+  {
+    const std::lock_guard lock(priv->mutex);
+    if (priv->film_is_over)
+      return FALSE;
+    priv->queries++;
+  }
+  const gboolean answered = priv->query_track(pad, parent, query);
+  const std::lock_guard lock(priv->mutex);
+  priv->queries--;
+  return answered;
+}
+
+static GstAggregatorPad *
+gst_tactile_combiner_create_new_pad(GstAggregator *aggregator, GstPadTemplate *templ,
+                                    const gchar *name, const GstCaps *caps)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
+  GstAggregatorPad *track
+      = GST_AGGREGATOR_CLASS(parent_class)->create_new_pad(aggregator, templ, name, caps);
+  if (track == nullptr)
+    return nullptr;
+  priv->chain_track = GST_PAD_CHAINFUNC(track);
+  priv->query_track = GST_PAD_QUERYFUNC(track);
+  gst_pad_set_chain_function(GST_PAD(track), GST_DEBUG_FUNCPTR(track_chain));
+  gst_pad_set_query_function(GST_PAD(track), GST_DEBUG_FUNCPTR(track_query));
+  return track;
+}
+
+/* On the pad's streaming thread, before the event is queued. */
+static GstFlowReturn
+gst_tactile_combiner_sink_event_pre_queue(GstAggregator *aggregator, GstAggregatorPad *pad,
+                                          GstEvent *event)
+{
+  auto *self = GST_TACTILE_COMBINER(aggregator);
+  const bool begins = GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START
+                      || GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP;
+  if (begins && pad != self->videopad) {
+    const std::lock_guard lock(self->priv->mutex);
+    self->priv->film_is_over = false;
+  }
+  return GST_AGGREGATOR_CLASS(parent_class)->sink_event_pre_queue(aggregator, pad, event);
+}
+
 /* ---- events and queries: the source pad has the film's ---- */
 
 static gboolean
@@ -304,6 +407,11 @@ gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad
       gst_aggregator_update_segment(aggregator, segment);
     else
       self->priv->held.reset();
+  } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && !is_video) {
+    self->priv->track_ended = true;
+  } else if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
+    const bool ended = std::exchange(self->priv->track_ended, false);
+    self->priv->track_is_ahead = ended && !is_video;
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_TAG && !is_video) {
     gst_event_unref(event); /* what is about the track is not about the film */
     return TRUE;
@@ -348,8 +456,10 @@ gst_tactile_combiner_src_query(GstAggregator *aggregator, GstQuery *query)
 static GstFlowReturn
 gst_tactile_combiner_flush(GstAggregator *aggregator)
 {
-  GST_TACTILE_COMBINER(aggregator)->priv->held.reset();
-  GST_TACTILE_COMBINER(aggregator)->priv->fusion.reset();
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
+  priv->held.reset();
+  priv->fusion.reset();
+  priv->track_ended = priv->track_is_ahead = false;
   return GST_FLOW_OK;
 }
 
@@ -360,6 +470,9 @@ gst_tactile_combiner_stop(GstAggregator *aggregator)
   priv->held.reset();
   priv->fusion.reset();
   priv->rows = priv->columns = 0;
+  priv->track_ended = priv->track_is_ahead = false;
+  const std::lock_guard lock(priv->mutex);
+  priv->film_is_over = false;
   return TRUE;
 }
 
@@ -434,6 +547,8 @@ gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
                                         "The visuotactile authors");
 
   aggregator_class->aggregate = gst_tactile_combiner_aggregate;
+  aggregator_class->create_new_pad = gst_tactile_combiner_create_new_pad;
+  aggregator_class->sink_event_pre_queue = gst_tactile_combiner_sink_event_pre_queue;
   aggregator_class->sink_event = gst_tactile_combiner_sink_event;
   aggregator_class->sink_query = gst_tactile_combiner_sink_query;
   aggregator_class->src_query = gst_tactile_combiner_src_query;

@@ -9,9 +9,10 @@
  * The buffer does not reference the frame: a queue in the tactile branch needs a few bytes for
  * each frame.
  *
- * A frame without a map is a GAP on the `tactile` pad. Before the first map, the grid is the one
- * that downstream prefers, or 3 × 3. Either source pad may be unlinked. Each branch needs its own
- * queue, as after a demuxer.
+ * A frame without a map is a GAP on the `tactile` pad. The first one is reported by an INFO
+ * message, as elements that move the picture, such as `videoflip`, drop the map. Before the first
+ * map, the grid is the one that downstream prefers, or 3 × 3. Either source pad may be
+ * unlinked. Each branch needs its own queue, as after a demuxer.
  *
  * ## Example launch lines
  * |[
@@ -35,6 +36,8 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
+#include <utility>
+
 GST_DEBUG_CATEGORY_STATIC(tactile_extractor_debug);
 #define GST_CAT_DEFAULT tactile_extractor_debug
 
@@ -44,6 +47,7 @@ struct _GstTactileExtractor
 
   SplitPads *pads;
   GstClockTime frame_duration; /* by the framerate, as pads */
+  gboolean told_no_map;        /* as pads */
 };
 
 #define gst_tactile_extractor_parent_class parent_class
@@ -72,6 +76,11 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   const GstClockTime duration
       = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame) : self->frame_duration;
 
+  if (meta == nullptr && !std::exchange(self->told_no_map, TRUE))
+    GST_ELEMENT_INFO(self, STREAM, FORMAT, ("The video frames carry no tactile map."),
+                     ("expected a GstTactileMeta on each frame; put saliencytactile before "
+                      "tactileextractor, and behind what moves the picture and drops the map, such "
+                      "as videoflip and videocrop"));
   if (meta == nullptr) /* a GAP needs a time */
     return GST_CLOCK_TIME_IS_VALID(pts) ? self->pads->push_gap(pts, duration)
                                         : self->pads->maps_flow();
@@ -131,6 +140,7 @@ gst_tactile_extractor_change_state(GstElement *element, GstStateChange transitio
     auto *self = GST_TACTILE_EXTRACTOR(element);
     self->pads->reset();
     self->frame_duration = GST_CLOCK_TIME_NONE;
+    self->told_no_map = FALSE;
   }
   return result;
 }

@@ -41,6 +41,7 @@
 #include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
 #include "gst/cues/film_start.h"
+#include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
 #include "tracks/text_cue.h"
@@ -390,9 +391,10 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
     return GST_PAD_PROBE_OK;
   frame = writable_frame(frame);
   GST_PAD_PROBE_INFO_DATA(info) = frame;
-  gst_buffer_add_tactile_meta(frame, static_cast<guint>(map->rows),
-                              static_cast<guint>(map->columns), map->levels.data(),
-                              map->levels.size());
+  GstTactileMeta *put = gst_buffer_add_tactile_meta(frame, static_cast<guint>(map->rows),
+                                                    static_cast<guint>(map->columns),
+                                                    map->levels.data(), map->levels.size());
+  gst_tactile_meta_set_video_direction(put, direction_at(pad));
   return GST_PAD_PROBE_OK;
 }
 

@@ -65,7 +65,8 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment, std::opti
   if (!has_levels && !std::exchange(warned_no_meta_, true))
     GST_ELEMENT_WARNING(
         element_, STREAM, FORMAT, ("The video frames carry no tactile map."),
-        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
+        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink, and "
+         "behind what moves the picture and drops the map, such as videoflip and videocrop"));
 
   settings.volts_max = agreed_.volts_max;
   settings.max_lead = agreed_.max_lead;

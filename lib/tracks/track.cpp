@@ -117,9 +117,9 @@ at_resolution(const Track &track, Time tick, int steps)
     if (steps > 0)
       for (float &level : map.levels)
         level = std::round(level * static_cast<float>(steps)) / static_cast<float>(steps);
-    result.append(entry.time / tick * tick, map);
+    (void)result.append(entry.time / tick * tick, map);
   }
-  result.set_end(track.end() / tick * tick);
+  (void)result.set_end(track.end() / tick * tick);
   return result;
 }
 

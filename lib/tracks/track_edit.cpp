@@ -2,6 +2,7 @@
 #include "tracks/track_edit.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -45,6 +46,14 @@ public:
     return std::move(track_);
   }
 
+  /// Of times that a track already has, which fit.
+  Track finish_fitting(Time end)
+  {
+    Edited finished = finish(end);
+    assert(finished);
+    return std::move(*finished);
+  }
+
 private:
   Track track_;
   tl::expected<void, FormatError> fits_;
@@ -54,14 +63,13 @@ private:
 Track
 with_maps(const Track &track, const std::function<void(TactileMap &)> &change)
 {
-  Track result = empty_like(track);
+  LimitedTrack result(empty_like(track));
   for (const Track::Entry &entry : track.entries()) {
     TactileMap map = entry.map;
     change(map);
     result.append(entry.time, map);
   }
-  result.set_end(track.end());
-  return result;
+  return result.finish_fitting(track.end());
 }
 
 Time
@@ -95,11 +103,10 @@ without_events(const Track &track, const std::function<bool(Time, float)> &is_pr
           maps[i].levels[cell] = 0;
       first = last;
     }
-  Track result = empty_like(track);
+  LimitedTrack result(empty_like(track));
   for (std::size_t i = 0; i < entries.size(); i++)
     result.append(entries[i].time, maps[i]);
-  result.set_end(track.end());
-  return result;
+  return result.finish_fitting(track.end());
 }
 
 /// All times at which either track changes, up to the later end.
@@ -147,18 +154,19 @@ prune_weak(const Track &track, float weakest)
 Track
 merge_equal(const Track &track, float tolerance)
 {
-  Track result = empty_like(track);
+  LimitedTrack result(empty_like(track));
+  const TactileMap *last = nullptr; // of the result
+  const auto is_equal = [&](float a, float b) {
+    // Zero and nonzero levels never count as equal.
+    return std::abs(a - b) <= tolerance && (a > 0) == (b > 0);
+  };
   for (const Track::Entry &entry : track.entries()) {
-    const TactileMap &last = result.entries().back().map;
-    const bool same = std::ranges::equal(entry.map.levels, last.levels, [&](float a, float b) {
-      // Zero and nonzero levels never count as equal.
-      return std::abs(a - b) <= tolerance && (a > 0) == (b > 0);
-    });
-    if (!same || entry.time == Time(0))
-      result.append(entry.time, entry.map);
+    if (last && std::ranges::equal(entry.map.levels, last->levels, is_equal))
+      continue;
+    result.append(entry.time, entry.map);
+    last = &entry.map;
   }
-  result.set_end(track.end());
-  return result;
+  return result.finish_fitting(track.end());
 }
 
 Edited

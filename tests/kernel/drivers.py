@@ -377,8 +377,13 @@ def two_of_one_number():
 
 
 def udevadm(*words):
-    # The guest's root is a chroot, in which udevadm would do nothing.
-    return subprocess.run(["udevadm", *words], env=dict(ENVIRONMENT, SYSTEMD_IGNORE_CHROOT="1"), text=True, stdout=subprocess.PIPE, check=True).stdout
+    # The guest's root is a chroot, in which udevadm would do nothing. The machine's clock leaps while it waits for the host's disk: what udevd
+    # does in time takes longer than udevadm waits, by that clock.
+    for _ in range(10):
+        ran = subprocess.run(["udevadm", *words], env=dict(ENVIRONMENT, SYSTEMD_IGNORE_CHROOT="1"), text=True, stdout=subprocess.PIPE, check=False)
+        if ran.returncode == 0:
+            return ran.stdout
+    raise Failed(f"udevadm {' '.join(words)} failed")
 
 
 def udev_properties(socket):

@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Makes a folder with the libraries of another machine, to compile for it and to run that in an emulator. It needs no root: nothing is installed
-# here, and this machine's dpkg learns of no other architecture. Prints the folder, in which are
-#   root/      what Debian's packages of the architecture hold
-#   meson.ini  the cross file
-#   run        runs a program of the architecture, emulated; $CPU is one of qemu's, instead of its fullest
+# Makes a folder with the libraries of another machine. It needs no root: nothing is installed here, and this machine's dpkg learns of no other
+# architecture. Prints the folder, in which are
+#   root/      what Debian's packages hold
+#   run        runs a program: of arm64 in an emulator, where $CPU is one of qemu's instead of its fullest; of amd64 with the libraries of root/,
+#              and with those of this machine that are not there
+#   meson.ini  of arm64: the cross file
 #
-# Usage: tests/machines/target.sh [arm64 [RELEASE [FOLDER]]]      (default: arm64, this machine's release, a folder in the user's cache)
+# Usage: tests/machines/target.sh [arm64|amd64 [RELEASE [FOLDER]]]      (default: arm64, this machine's release, a folder in the user's cache)
 #
-# Expects what `tools/setup.sh arm64` installs. Does nothing if the folder is complete.
+# For arm64 it expects what `tools/setup.sh arm64` installs. Does nothing if the folder is complete.
 set -euo pipefail
 case ${1:-} in
-  -h | --help) sed -n '3,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '3,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 architecture=${1:-arm64}
 # shellcheck disable=SC1091 # the machine's
@@ -23,16 +24,25 @@ fail() {
   echo "target.sh: $1" >&2
   exit 1
 }
-[ "$architecture" = arm64 ] || fail "expected arm64, got '$architecture'"
-triplet=aarch64-linux-gnu
-emulator=qemu-aarch64
-for program in $triplet-g++ $emulator; do
-  command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh arm64"
-done
-
-# What the plugins are built with, but for modules, which need four times as much; and what plays films to them.
-packages="libc6-dev libstdc++-$($triplet-gcc -dumpversion)-dev libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev
-  libhwy-dev libexpected-dev libusb-1.0-0-dev libjson-glib-dev libxml2-dev gstreamer1.0-tools gstreamer1.0-plugins-base"
+case $architecture in
+  arm64)
+    triplet=aarch64-linux-gnu
+    emulator=qemu-aarch64
+    for program in $triplet-g++ $emulator; do
+      command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh arm64"
+    done
+    # What the plugins are built with, but for modules, which need four times as much; and what plays films to them.
+    packages="libc6-dev libstdc++-$($triplet-gcc -dumpversion)-dev libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev
+      libhwy-dev libexpected-dev libusb-1.0-0-dev libjson-glib-dev libxml2-dev gstreamer1.0-tools gstreamer1.0-plugins-base"
+    ;;
+  amd64)
+    triplet=x86_64-linux-gnu
+    # GStreamer and what tests play with it; the plugins' other libraries are this machine's.
+    packages="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly
+      gstreamer1.0-libav gstreamer1.0-gl gstreamer1.0-x libsdl2-2.0-0"
+    ;;
+  *) fail "expected arm64 or amd64, got '$architecture'" ;;
+esac
 # One at a time: another checkout may make the same folder.
 mkdir -p "$(dirname "$folder")"
 exec 9>"$folder.lock"
@@ -46,13 +56,14 @@ mkdir -p "$folder"/root "$folder"/apt/{lists,archives}/partial "$folder"/apt/etc
 folder=$(cd "$folder" && pwd)
 root=$folder/root
 
-# An apt of the folder's own, which downloads from where this machine's does.
+# An apt of the folder's own, which downloads from where this machine's does, by the same proxy, and is as strict about dates.
 # shellcheck disable=SC2016 # apt's field
 mirror=$(apt-get indextargets --no-release-info --format '$(REPO_URI)' 'Created-By: Packages' "Release: $here" | sed -n 1p)
 [ -n "$mirror" ] || fail "apt has no source of Debian's packages for '$here'"
 echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $release main" >"$folder/apt/etc/sources.list"
 touch "$folder/apt/status"
-cat >"$folder/apt/apt.conf" <<CONF
+apt-config dump | grep -E '^Acquire::(Check-|https?::)' >"$folder/apt/apt.conf" || true
+cat >>"$folder/apt/apt.conf" <<CONF
 Dir::Etc "$folder/apt/etc";
 Dir::State "$folder/apt";
 Dir::State::status "$folder/apt/status";
@@ -74,17 +85,19 @@ for package in "$folder"/apt/archives/*.deb; do
 done
 rm -rf "$folder/apt"
 
-# Links to absolute paths are within the folder; of two that Debian's alternatives make, the packages' own scripts would.
+# Links to absolute paths are within the folder.
 find "$root" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do
   ln -sfnr "$root$target" "$link"
 done
-for library in blas lapack; do
-  ln -sfr "$root/usr/lib/$triplet/$library/lib$library.so.3" "$root/usr/lib/$triplet/"
-done
 
-cache=
-! command -v ccache >/dev/null || cache="'ccache', "
-cat >"$folder/meson.ini" <<INI
+if [ "$architecture" = arm64 ]; then
+  # Links that the packages' own scripts would make.
+  for library in blas lapack; do
+    ln -sfr "$root/usr/lib/$triplet/$library/lib$library.so.3" "$root/usr/lib/$triplet/"
+  done
+  cache=
+  ! command -v ccache >/dev/null || cache="'ccache', "
+  cat >"$folder/meson.ini" <<INI
 [binaries]
 c = [$cache'$triplet-gcc']
 cpp = [$cache'$triplet-g++']
@@ -109,10 +122,18 @@ cpu_family = 'aarch64'
 cpu = 'aarch64'
 endian = 'little'
 INI
-cat >"$folder/run" <<RUN
+  cat >"$folder/run" <<RUN
 #!/bin/sh
 exec $emulator -L '$root' -cpu "\${CPU:-max}" "\$@"
 RUN
+else
+  lib=$root/usr/lib/$triplet
+  cat >"$folder/run" <<RUN
+#!/bin/sh
+export GST_PLUGIN_SYSTEM_PATH_1_0='$lib/gstreamer-1.0' GST_REGISTRY_FORK=no GIO_MODULE_DIR=/nowhere
+exec '$lib/ld-linux-x86-64.so.2' --library-path "\${LD_LIBRARY_PATH:+\$LD_LIBRARY_PATH:}$lib:$lib/pulseaudio:$lib/blas:$lib/lapack" "\$@"
+RUN
+fi
 chmod +x "$folder/run"
 echo "$packages" >"$folder/complete"
 echo "$folder"

@@ -8,6 +8,7 @@
 #include <functional>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include <gst/check/gstcheck.h>
 
@@ -40,6 +41,7 @@ public:
     const int index = SDL_JoystickAttachVirtualEx(&description);
     ck_assert_int_ge(index, 0);
     id_ = SDL_JoystickGetDeviceInstanceID(index);
+    learn_success(index);
   }
   ~VirtualPad()
   {
@@ -71,17 +73,47 @@ public:
     const std::lock_guard lock(mutex_);
     return levels_;
   }
+  /// Levels of the grips, as they came.
+  std::vector<std::array<int, 2>> history()
+  {
+    const std::lock_guard lock(mutex_);
+    return history_;
+  }
+  /// The next rumble that is not zero takes effect, and fails.
+  void fail_once()
+  {
+    const std::lock_guard lock(mutex_);
+    fails_ = true;
+  }
 
 private:
+  /// Zero, as SDL 2 has it. The one over SDL 3 (sdl2-compat 2.32.74) hands the callback's answer
+  /// on, where success is true.
+  void learn_success(int index)
+  {
+    SDL_GameController *controller = SDL_GameControllerOpen(index);
+    if (SDL_GameControllerRumble(controller, 1, 1, 0) != 0)
+      success_ = 1;
+    SDL_GameControllerRumble(controller, 2, 2, 0);
+    SDL_GameControllerRumble(controller, 0, 0, 0);
+    ck_assert_int_eq(SDL_GameControllerRumble(controller, 1, 1, 0), 0);
+    SDL_GameControllerRumble(controller, 0, 0, 0);
+    SDL_GameControllerClose(controller);
+    const std::lock_guard lock(mutex_);
+    history_.clear();
+  }
+
   int set(std::size_t first, int a, int b)
   {
     const std::lock_guard lock(mutex_);
     levels_[first] = a;
     levels_[first + 1] = b;
+    if (first == 0)
+      history_.push_back({ a, b });
     if (first == 0 && listener_)
       listener_(a, b);
     changed_.notify_all();
-    return 0;
+    return (a > 1 || b > 1) && std::exchange(fails_, false) ? 1 - success_ : success_;
   }
 
   const std::function<void(int, int)> listener_;
@@ -89,4 +121,7 @@ private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::array<int, 4> levels_{};
+  std::vector<std::array<int, 2>> history_;
+  int success_ = 0;
+  bool fails_ = false;
 };

@@ -19,7 +19,7 @@
 namespace usb_test {
 
 /// Random 3 × 3 tactile maps, a new one every 200 ms, played in real time by
-/// `tactorsink driver=firmata`.
+/// `tactorsink driver=firmata` in this process. A guardian would outlive the emulated USB.
 class MapStream
 {
 public:
@@ -29,7 +29,8 @@ public:
     GError *error = nullptr;
     pipeline_ = gst_parse_launch(("appsrc name=maps format=time caps=\"application/x-tactile-map,"
                                   "rows=(int)3,columns=(int)3,framerate=(fraction)30/1\" "
-                                  "! tactorsink name=tactors driver=firmata trace-location="
+                                  "! tactorsink name=tactors driver=firmata guardian=false "
+                                  "trace-location="
                                   + trace_path_ + " " + properties)
                                      .c_str(),
                                  &error);

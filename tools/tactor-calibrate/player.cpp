@@ -141,12 +141,16 @@ wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
       throw_interrupted();
   std::string told;
   while (g_autoptr(GstMessage) message = gst_bus_pop_filtered(
-             bus, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_INFO))) {
+             bus, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING
+                                              | GST_MESSAGE_INFO))) {
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
       throw_message(message);
-    g_autoptr(GError) info = nullptr;
-    gst_message_parse_info(message, &info, nullptr);
-    told = info->message;
+    g_autoptr(GError) said = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING)
+      gst_message_parse_warning(message, &said, nullptr);
+    else
+      gst_message_parse_info(message, &said, nullptr);
+    told = said->message;
   }
   is_simulated(tactors, told);
 }

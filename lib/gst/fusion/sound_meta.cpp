@@ -1,9 +1,37 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gst/fusion/sound_meta.h"
 
+#include <gst/tactile/tactile.h>
+
 #include <algorithm>
 
 namespace {
+
+constexpr const gchar *kLevels = "levels";
+
+/// What the sound added is moved as the frame's map is.
+gboolean
+transform(GstBuffer *dest, GstCustomMeta *, GstBuffer *frame, GQuark type, gpointer data, gpointer)
+{
+  const GstTactileMeta *felt = gst_buffer_get_tactile_meta(frame);
+  if (felt == nullptr || has_sound_meta(dest))
+    return FALSE;
+  std::optional<tactile::TactileMap> added = sound_meta(frame, felt->rows, felt->columns);
+  if (!added)
+    return FALSE;
+  if (!GST_META_TRANSFORM_IS_COPY(type)) {
+    g_autoptr(GstBuffer) map = gst_buffer_copy(frame);
+    g_autoptr(GstBuffer) moved = gst_buffer_new();
+    GstTactileMeta *own = gst_buffer_get_tactile_meta(map);
+    std::ranges::copy(added->levels, own->levels);
+    if (!own->meta.info->transform_func(moved, &own->meta, map, type, data))
+      return FALSE;
+    own = gst_buffer_get_tactile_meta(moved);
+    std::copy_n(own->levels, added->levels.size(), added->levels.begin());
+  }
+  add_sound_meta(dest, *added);
+  return TRUE;
+}
 
 /// Registered once per process: each plugin has this code, and plugins stay loaded.
 const gchar *
@@ -11,15 +39,13 @@ meta_name()
 {
   static const gchar *const name = [] {
     constexpr const gchar *kName = "VisuotactileSoundMeta";
-    static const gchar *tags[] = { "video", nullptr };
+    static const gchar *tags[] = { "video", "size", "orientation", nullptr };
     if (gst_meta_get_info(kName) == nullptr)
-      gst_meta_register_custom(kName, tags, nullptr, nullptr, nullptr);
+      gst_meta_register_custom(kName, tags, transform, nullptr, nullptr);
     return kName;
   }();
   return name;
 }
-
-constexpr const gchar *kLevels = "levels";
 
 } // namespace
 

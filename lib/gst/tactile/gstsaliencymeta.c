@@ -12,6 +12,8 @@
 
 #include "gstsaliencymeta.h"
 
+#include "gsttactileplacement.h"
+
 #include <gst/video/gstvideometa.h>
 #include <math.h>
 
@@ -40,15 +42,31 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
                             gpointer data)
 {
   const GstSaliencyMeta *self = (const GstSaliencyMeta *)meta;
+  const gsize n_values = (gsize)self->width * self->height;
+  GstTactilePlacement placement;
+  guint width = self->width;
+  guint height = self->height;
+  gfloat *moved = NULL;
+  gboolean added;
 
-  /* The map covers the whole picture at a resolution of its own. A copy of a region copies a range
-   * of bytes, not a part of the picture, so it keeps the whole map. */
-  if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
-    return FALSE;
-
-  return gst_buffer_add_saliency_meta(dest, self->width, self->height, self->values,
-                                      (gsize)self->width * self->height, self->floor)
-         != NULL;
+  /* The map covers the whole picture as it is stored, at a resolution of its own. A copy of a
+   * region copies a range of bytes, not a part of the picture, so it keeps the whole map. */
+  if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type)) {
+    if (!gst_tactile_placement_init(&placement, type, data, GST_VIDEO_ORIENTATION_IDENTITY))
+      return FALSE;
+    if (gst_tactile_placement_is_transposed(&placement)) {
+      width = self->height;
+      height = self->width;
+    }
+    moved = g_new(gfloat, n_values);
+    gst_tactile_placement_apply(&placement, self->height, self->width, self->values, height, width,
+                                moved);
+  }
+  added = gst_buffer_add_saliency_meta(dest, width, height, moved ? moved : self->values, n_values,
+                                       self->floor)
+          != NULL;
+  g_free(moved);
+  return added;
 }
 
 /**
@@ -57,7 +75,8 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
  * Gets the #GType of the metadata API, for gst_buffer_get_meta() and
  * gst_buffer_iterate_meta_filtered().
  *
- * Returns: the type of the #GstSaliencyMeta API, whose only tag is `video`
+ * Returns: the type of the #GstSaliencyMeta API. Its tags are `video`, `size` and
+ *     `orientation`, as those of #GstTactileMeta
  *
  * Since: 0.1
  */
@@ -65,7 +84,8 @@ GType
 gst_saliency_meta_api_get_type(void)
 {
   static GType type = 0;
-  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, NULL };
+  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR,
+                                 GST_META_TAG_VIDEO_ORIENTATION_STR, NULL };
 
   if (g_once_init_enter(&type)) {
     GType registered = gst_meta_api_type_register("GstSaliencyMetaAPI", tags);

@@ -12,7 +12,15 @@
 
 #include "gsttactilemeta.h"
 
+#include "gsttactileplacement.h"
+
 #include <gst/video/gstvideometa.h>
+
+typedef struct
+{
+  GstTactileMeta parent;
+  GstVideoOrientationMethod direction;
+} TactileMeta;
 
 static gboolean
 gst_tactile_meta_init(GstMeta *meta, gpointer params, GstBuffer *buffer)
@@ -22,6 +30,7 @@ gst_tactile_meta_init(GstMeta *meta, gpointer params, GstBuffer *buffer)
   self->rows = 0;
   self->columns = 0;
   self->levels = NULL;
+  ((TactileMeta *)meta)->direction = GST_VIDEO_ORIENTATION_IDENTITY;
   return TRUE;
 }
 
@@ -33,20 +42,50 @@ gst_tactile_meta_free(GstMeta *meta, GstBuffer *buffer)
   g_clear_pointer(&self->levels, g_free);
 }
 
+/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level. */
+static GstTactileMeta *
+gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
+                       const GstTactilePlacement *placement)
+{
+  const GstTactileMeta *there = gst_buffer_get_tactile_meta(dest);
+  const guint rows = there ? there->rows : self->rows;
+  const guint columns = there ? there->columns : self->columns;
+  const gsize n_levels = (gsize)rows * columns;
+  gfloat *levels = g_new(gfloat, n_levels);
+  GstTactileMeta *placed;
+
+  gst_tactile_placement_apply(placement, self->rows, self->columns, self->levels, rows, columns,
+                              levels);
+  for (gsize i = 0; there != NULL && i < n_levels; i++)
+    levels[i] = MAX(levels[i], there->levels[i]);
+  placed = gst_buffer_add_tactile_meta(dest, rows, columns, levels, n_levels);
+  g_free(levels);
+  return placed;
+}
+
 static gboolean
 gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQuark type,
                            gpointer data)
 {
   const GstTactileMeta *self = (const GstTactileMeta *)meta;
+  GstVideoOrientationMethod direction = ((const TactileMeta *)meta)->direction;
+  GstTactilePlacement placement;
+  GstTactileMeta *other = NULL;
 
   /* Levels are relative to the picture, so a scaled picture keeps them. A copy of a region copies a
    * range of bytes, not a part of the picture, so it keeps the whole grid. */
-  if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+  if (GST_META_TRANSFORM_IS_COPY(type) || GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+    other = gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
+                                        (gsize)self->rows * self->columns);
+  else if (gst_tactile_placement_init(&placement, type, data, direction)) {
+    if (placement.turns_by)
+      direction = GST_VIDEO_ORIENTATION_IDENTITY;
+    other = gst_tactile_meta_place(dest, self, &placement);
+  }
+  if (other == NULL)
     return FALSE;
-
-  return gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
-                                     (gsize)self->rows * self->columns)
-         != NULL;
+  gst_tactile_meta_set_video_direction(other, direction);
+  return TRUE;
 }
 
 /**
@@ -55,7 +94,9 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
  * Gets the #GType of the metadata API, for gst_buffer_get_meta() and
  * gst_buffer_iterate_meta_filtered().
  *
- * Returns: the type of the #GstTactileMeta API, whose only tag is `video`
+ * Returns: the type of the #GstTactileMeta API. Its tags are `video`, `size` and
+ *     `orientation`, so that elements that move the picture drop the map, or
+ *     tell where they put the picture
  *
  * Since: 0.1
  */
@@ -63,7 +104,8 @@ GType
 gst_tactile_meta_api_get_type(void)
 {
   static GType type = 0;
-  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, NULL };
+  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR,
+                                 GST_META_TAG_VIDEO_ORIENTATION_STR, NULL };
 
   if (g_once_init_enter(&type)) {
     GType registered = gst_meta_api_type_register("GstTactileMetaAPI", tags);
@@ -88,7 +130,7 @@ gst_tactile_meta_get_info(void)
 
   if (g_once_init_enter(&info)) {
     const GstMetaInfo *registered = gst_meta_register(
-        GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(GstTactileMeta), gst_tactile_meta_init,
+        GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(TactileMeta), gst_tactile_meta_init,
         gst_tactile_meta_free, gst_tactile_meta_transform);
     g_once_init_leave(&info, registered);
   }
@@ -208,4 +250,25 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
 
   *n_levels = (gsize)meta->rows * meta->columns;
   return meta->levels;
+}
+
+/**
+ * gst_tactile_meta_set_video_direction:
+ * @meta: a #GstTactileMeta
+ * @direction: how the frame is still to be turned to be as seen on the screen,
+ *     such as its `image-orientation` tag says;
+ *     %GST_VIDEO_ORIENTATION_IDENTITY, the default, if it is not
+ *
+ * Tells that the levels, which are as seen on the screen, are of a frame that
+ * something downstream has yet to turn. Where that is done, the levels stay as
+ * they are; without this, they would be turned with the frame.
+ *
+ * Since: 0.1
+ */
+void
+gst_tactile_meta_set_video_direction(GstTactileMeta *meta, GstVideoOrientationMethod direction)
+{
+  g_return_if_fail(meta != NULL);
+
+  ((TactileMeta *)meta)->direction = direction;
 }

@@ -4,6 +4,7 @@
 
 #include <gst/gst.h>
 #include <gst/tactile/tactile-prelude.h>
+#include <gst/video/video.h>
 
 G_BEGIN_DECLS
 
@@ -31,7 +32,9 @@ typedef struct _GstTactileMeta GstTactileMeta;
  *
  * The levels of a grid of tactors while this video frame is shown. The grid is
  * relative to the picture, so the meta stays unchanged when the frame is copied,
- * converted or scaled. A buffer has at most one tactile map.
+ * converted or scaled. Where an element flips, crops or boxes the picture, its
+ * map is moved along if the element tells how (GStreamer 1.28), else dropped. A
+ * buffer has at most one tactile map.
  *
  * Since: 0.1
  */
@@ -62,6 +65,10 @@ gfloat gst_tactile_meta_get_level(const GstTactileMeta *meta, guint row, guint c
 
 GST_TACTILE_API
 const gfloat *gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels);
+
+GST_TACTILE_API
+void gst_tactile_meta_set_video_direction(GstTactileMeta *meta,
+                                          GstVideoOrientationMethod direction);
 
 G_END_DECLS
 

@@ -58,3 +58,14 @@ orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags)
     return {};
   }
 }
+
+GstVideoOrientationMethod
+direction_at(GstPad *pad)
+{
+  OrientationTags tags;
+  for (guint i = 0; GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_TAG, i); i++) {
+    tags.follow(event);
+    gst_event_unref(event);
+  }
+  return tags.method();
+}

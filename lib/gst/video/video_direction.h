@@ -35,3 +35,6 @@ private:
 /// The orientation for a `video-direction` property: GST_VIDEO_ORIENTATION_AUTO follows the tags,
 /// GST_VIDEO_ORIENTATION_CUSTOM is the identity.
 tactile::Orientation orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags);
+
+/// What the tags that came to a pad say. Any thread.
+GstVideoOrientationMethod direction_at(GstPad *pad);

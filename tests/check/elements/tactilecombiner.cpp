@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -34,8 +36,8 @@ public:
   {
     if (track != nullptr) {
       gst_harness_push_event(track, gst_event_new_flush_start());
-      g_async_queue_push(to_push_, this);
-      feeder_.join();
+      if (feeder_.joinable())
+        stop_feeding();
       gst_harness_teardown(track);
     }
     gst_harness_teardown(video);
@@ -61,6 +63,12 @@ public:
       GST_BUFFER_FLAG_SET(map, kSoundMap);
     g_async_queue_push(to_push_, map);
   }
+  /// Returns when all that was pushed has been taken or refused.
+  void stop_feeding()
+  {
+    g_async_queue_push(to_push_, this);
+    feeder_.join();
+  }
   void end_track()
   {
     g_async_queue_push(to_push_, gst_event_new_eos());
@@ -70,6 +78,29 @@ public:
     GstEvent *gap = gst_event_new_gap(begin, duration);
     gst_event_set_gap_flags(gap, flags);
     g_async_queue_push(to_push_, gap);
+  }
+  void push_query()
+  {
+    g_async_queue_push(to_push_, gst_query_new_drain());
+  }
+  /// The next stream of the film or of the track, whose 0 is `base` in the pipeline.
+  void begin_film(GstClockTime base)
+  {
+    g_autoptr(GstCaps) caps = gst_caps_from_string(kVideoCaps);
+    for (GstEvent *event : beginning(caps, base))
+      fail_unless(gst_harness_push_event(video, event));
+  }
+  void begin_track(GstClockTime base)
+  {
+    g_autoptr(GstCaps) caps
+        = gst_caps_from_string("application/x-tactile-map,rows=1,columns=2,framerate=0/1");
+    for (GstEvent *event : beginning(caps, base))
+      g_async_queue_push(to_push_, event);
+  }
+  /// The next frame that is pulled is the first one.
+  void restart_times()
+  {
+    next_ = 0;
   }
   void push_raw(GstBuffer *map)
   {
@@ -108,6 +139,15 @@ public:
   std::optional<tactile::TactileMap> added; ///< by the sound, to the frame that pull() took
 
 private:
+  static std::vector<GstEvent *> beginning(GstCaps *caps, GstClockTime base)
+  {
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    segment.base = base;
+    return { gst_event_new_stream_start("next"), gst_event_new_caps(caps),
+             gst_event_new_segment(&segment) };
+  }
+
   /// The track's streaming thread, as the element blocks on a buffer until the film gets there.
   /// Ends at an item that is neither buffer nor event.
   void feed()
@@ -115,8 +155,11 @@ private:
     for (gpointer next = nullptr; (next = g_async_queue_pop(to_push_)) != this;)
       if (GST_IS_EVENT(next))
         gst_harness_push_event(track, GST_EVENT(next));
-      else
-        gst_harness_push(track, GST_BUFFER(next));
+      else if (GST_IS_QUERY(next)) {
+        gst_pad_peer_query(track->srcpad, GST_QUERY(next));
+        gst_query_unref(GST_QUERY(next));
+      } else
+        flows.insert(gst_harness_push(track, GST_BUFFER(next)));
   }
 
   GstElement *element_;
@@ -127,7 +170,28 @@ private:
 public:
   GstHarness *video;
   GstHarness *track;
+  std::set<GstFlowReturn> flows; ///< what answered the track's buffers; after stop_feeding()
 };
+
+void
+wait_for_the_end(Combiner &c)
+{
+  GstEventType type = GST_EVENT_UNKNOWN;
+  while (type != GST_EVENT_EOS) {
+    g_autoptr(GstEvent) event = gst_harness_pull_event(c.video);
+    fail_unless(event != nullptr, "the film does not end");
+    type = GST_EVENT_TYPE(event);
+  }
+}
+
+/// GstAggregator before 1.24 takes another stream only after a flush.
+bool
+gst_begins_again()
+{
+  guint major = 0, minor = 0, micro = 0, nano = 0;
+  gst_version(&major, &minor, &micro, &nano);
+  return minor >= 24;
+}
 
 #define ASSERT_LEVELS(combiner, ...)                                                               \
   do {                                                                                             \
@@ -163,13 +227,83 @@ GST_START_TEST(test_film_ends_first)
   c.push_frame(0);
   ASSERT_LEVELS(c, { 0.5F, 0 });
   fail_unless(gst_harness_push_event(c.video, gst_event_new_eos()));
-  GstEvent *event = nullptr;
-  do {
-    gst_clear_event(&event);
-    event = gst_harness_pull_event(c.video);
-  } while (event != nullptr && GST_EVENT_TYPE(event) != GST_EVENT_EOS);
-  fail_unless(event != nullptr);
-  gst_event_unref(event);
+  wait_for_the_end(c);
+}
+GST_END_TEST;
+
+/// A track of an hour, with serialized queries, does not wait for a film that has ended.
+GST_START_TEST(test_longer_track)
+{
+  Combiner c;
+  c.push_frame(0);
+  for (guint64 i = 0; i < 3600; i++) {
+    c.push_map(0.5F, i * 1000, (i + 1) * 1000);
+    if (i % 10 == 5)
+      c.push_query();
+  }
+  c.end_track();
+  ASSERT_LEVELS(c, { 0.5F, 0 });
+  fail_unless(gst_harness_push_event(c.video, gst_event_new_eos()));
+  wait_for_the_end(c);
+  c.stop_feeding();
+  fail_unless(c.flows == std::set({ GST_FLOW_OK, GST_FLOW_EOS }));
+}
+GST_END_TEST;
+
+/// A second film of the same combiner has its own track, whichever of both begins first.
+GST_START_TEST(test_second_film)
+{
+  if (!gst_begins_again())
+    return;
+  for (const bool track_is_ahead : { false, true }) {
+    Combiner c;
+    c.push_map(0.5F, 0, 40);
+    c.push_map(0.75F, 40, 80);
+    if (track_is_ahead) {
+      c.end_track();
+      c.begin_track(10 * kFrame);
+      c.push_map(1, 0, 40);
+    }
+    c.push_frame(0);
+    ASSERT_LEVELS(c, { 0.5F, 0 });
+    fail_unless(gst_harness_push_event(c.video, gst_event_new_eos()));
+    wait_for_the_end(c);
+    c.begin_film(10 * kFrame);
+    if (!track_is_ahead) {
+      c.begin_track(10 * kFrame);
+      c.push_map(1, 0, 40);
+    }
+    c.end_track();
+    c.push_frame(0);
+    c.push_frame(1);
+    c.restart_times();
+    ASSERT_LEVELS(c, { 1, 0 });
+    ASSERT_LEVELS(c, { 0, 0 });
+  }
+}
+GST_END_TEST;
+
+/// Sound and picture of different lengths, both ways, also from live sources.
+GST_START_TEST(test_lengths)
+{
+  constexpr const gchar *kSources[] = { "", "is-live=true" };
+  const gchar *live = kSources[__i__ / 2];
+  const bool sound_is_longer = __i__ % 2 == 0;
+  g_autofree gchar *line = g_strdup_printf(
+      "videotestsrc %s num-buffers=%d ! video/x-raw,width=32,height=24,framerate=30/1 "
+      "! tactilecombiner name=c ! fakesink "
+      "audiotestsrc %s wave=ticks num-buffers=%d ! soundtactile name=s s.src ! queue ! fakesink "
+      "s.tactile ! queue max-size-buffers=4 ! c.tactile",
+      live, sound_is_longer ? 10 : 40, live, sound_is_longer ? 100 : 10);
+  g_autoptr(GError) error = nullptr;
+  g_autoptr(GstElement) pipeline = gst_parse_launch(line, &error);
+  fail_unless(error == nullptr, "%s", error != nullptr ? error->message : "");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
 }
 GST_END_TEST;
 
@@ -379,6 +513,9 @@ tactilecombiner_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_map_at_the_frames_beginning);
   tcase_add_test(tests, test_film_ends_first);
+  tcase_add_test(tests, test_longer_track);
+  tcase_add_test(tests, test_second_film);
+  tcase_add_loop_test(tests, test_lengths, 0, 4);
   tcase_add_test(tests, test_offset);
   tcase_add_test(tests, test_gaps);
   tcase_add_test(tests, test_map_holds_for_lost_data);

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "support/playing.h"
+
 namespace {
 
 constexpr const gchar *kVideoCaps = "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1";
@@ -564,6 +566,27 @@ GST_START_TEST(test_any_memory)
 }
 GST_END_TEST;
 
+/// Once a play: elements such as videoflip drop maps.
+GST_START_TEST(test_frames_without_maps_are_told)
+{
+  Extractor e;
+  const ElementBus messages(e.video->element);
+  const auto told = [&] {
+    int count = 0;
+    while (GstMessage *message = gst_bus_pop_filtered(messages.bus, GST_MESSAGE_INFO)) {
+      count += Said(message).text == "The video frames carry no tactile map.";
+      gst_message_unref(message);
+    }
+    return count;
+  };
+  push(e, make_frame(0, 2, 2));
+  fail_unless_equals_int(told(), 0);
+  push(e, make_frame(1));
+  push(e, make_frame(2));
+  fail_unless_equals_int(told(), 1);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_restart)
 {
   Extractor e;
@@ -609,6 +632,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_caps_queries);
   tcase_add_test(tests, test_allocation_and_latency);
   tcase_add_test(tests, test_any_memory);
+  tcase_add_test(tests, test_frames_without_maps_are_told);
   tcase_add_test(tests, test_restart);
   return suite;
 }

@@ -8,6 +8,7 @@
 #include "support/unwrap.h"
 #include "support/virtual_gamepad.h"
 
+#include <algorithm>
 #include <array>
 #include <condition_variable>
 #include <mutex>
@@ -47,6 +48,38 @@ GST_START_TEST(test_watchdog)
   pad.wait_for(kZero);
   unwrap(driver->write(std::array{ 3.0, 3.0, 3.0, 3.0 }, 0s));
   pad.wait_for({ 65535, 65535, 65535, 65535 });
+}
+GST_END_TEST;
+
+/// A pad may run from before: the first thing it is sent is a zero, though SDL takes it for silent.
+GST_START_TEST(test_zero_at_first)
+{
+  VirtualPad pad("virtual pad");
+  const auto driver = unwrap(make_driver("gamepad"));
+  unwrap(driver->open({ .device = "virtual pad" }));
+  unwrap(driver->write(std::array{ 3.0, 3.0, 0.0, 0.0 }, 0s));
+  pad.wait_for({ 65535, 65535, 0, 0 });
+  const auto history = pad.history();
+  const auto zero = std::ranges::find(history, std::array{ 0, 0 });
+  fail_unless(zero != history.end());
+  fail_unless(std::ranges::all_of(history.begin(), zero, [](const auto &levels) {
+    return levels == std::array{ 1, 1 };
+  }));
+}
+GST_END_TEST;
+
+/// A rumble that fails may have begun: SDL 3 takes the pad for silent then.
+GST_START_TEST(test_zero_after_a_failure)
+{
+  VirtualPad pad("virtual pad", false);
+  const auto driver = unwrap(make_driver("gamepad"));
+  unwrap(driver->open({ .device = "virtual pad" }));
+  pad.fail_once();
+  unwrap(driver->write(std::array{ 3.0, 3.0 }, 0s));
+  pad.wait_for({ 65535, 65535, 0, 0 });
+  pad.wait_for(kZero);
+  driver->close();
+  fail_unless(pad.levels() == kZero);
 }
 GST_END_TEST;
 
@@ -122,6 +155,8 @@ sdl_gamepads_suite(void)
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_motors);
   tcase_add_test(tcase, test_watchdog);
+  tcase_add_test(tcase, test_zero_at_first);
+  tcase_add_test(tcase, test_zero_after_a_failure);
   tcase_add_test(tcase, test_several);
   tcase_add_test(tcase, test_unplugged);
   tcase_add_test(tcase, test_unknown_name);

@@ -53,9 +53,13 @@ GST_START_TEST(test_add_and_get)
   fail_unless(meta->levels != kLevels.data());
   assert_levels(buffer);
 
-  const gchar *const *tags = gst_meta_api_type_get_tags(GST_TACTILE_META_API_TYPE);
-  fail_unless_equals_string(tags[0], GST_META_TAG_VIDEO_STR);
-  fail_unless(tags[1] == nullptr);
+  for (const GType api : { GST_TACTILE_META_API_TYPE, GST_SALIENCY_META_API_TYPE }) {
+    const gchar *const *tags = gst_meta_api_type_get_tags(api);
+    fail_unless_equals_string(tags[0], GST_META_TAG_VIDEO_STR);
+    fail_unless_equals_string(tags[1], GST_META_TAG_VIDEO_SIZE_STR);
+    fail_unless_equals_string(tags[2], GST_META_TAG_VIDEO_ORIENTATION_STR);
+    fail_unless(tags[3] == nullptr);
+  }
   gst_buffer_unref(buffer);
 }
 GST_END_TEST;
@@ -173,6 +177,130 @@ GST_START_TEST(test_transforms)
 }
 GST_END_TEST;
 
+/// As GStreamer 1.28 has it.
+struct Matrix
+{
+  GstVideoInfo *in_info;
+  GstVideoRectangle in;
+  GstVideoInfo *out_info;
+  GstVideoRectangle out;
+  gfloat matrix[3][3];
+};
+
+/// Calls the meta's transform by a matrix. FALSE: the map is dropped.
+static gboolean
+move(GstBuffer *from, GstBuffer *to, const Matrix &matrix)
+{
+  GstMeta *meta = &gst_buffer_get_tactile_meta(from)->meta;
+  Matrix data = matrix;
+  return meta->info->transform_func(to, meta, from, g_quark_from_static_string("gst-video-matrix"),
+                                    &data);
+}
+
+static std::vector<gfloat>
+levels_of(GstBuffer *buffer)
+{
+  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
+  return { meta->levels, meta->levels + std::size_t{ meta->rows } * meta->columns };
+}
+
+GST_START_TEST(test_moved_picture)
+{
+  GstVideoInfo in;
+  GstVideoInfo out;
+  gst_video_info_set_format(&in, GST_VIDEO_FORMAT_I420, 60, 40);
+  gst_video_info_set_format(&out, GST_VIDEO_FORMAT_I420, 60, 40);
+  const GstVideoRectangle all{ 0, 0, 60, 40 };
+  const Matrix mirrored{ &in, all, &out, all, { { -1, 0, 59 }, { 0, 1, 0 }, { 0, 0, 1 } } };
+  // The right third of the picture fills the output.
+  const Matrix third{
+    &in, { 40, 0, 20, 40 }, &out, all, { { 3, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
+  };
+  // All of it in the output's lower right quarter.
+  const Matrix quarter{
+    &in, all, &out, { 30, 20, 30, 20 }, { { 0.5F, 0, 0 }, { 0, 0.5F, 0 }, { 0, 0, 1 } }
+  };
+  const Matrix sheared{ &in, all, &out, all, { { 1, 0.5F, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
+  const Matrix perspective{ &in, all, &out, all, { { 1, 0, 0 }, { 0, 1, 0 }, { 0.1F, 0, 1 } } };
+  const Matrix nowhere{ &in, all, &out, all, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } } };
+
+  g_autoptr(GstBuffer) source = gst_buffer_new();
+  add(source);
+  for (const auto &[matrix, levels] :
+       { std::pair{ mirrored, std::vector<gfloat>{ 0.5F, 0.25F, 0, 0.125F, 1, 0.75F } },
+         std::pair{ third, std::vector<gfloat>{ 0.5F, 0.5F, 0.5F, 0.125F, 0.125F, 0.125F } },
+         // Cells are 20 x 20 pixels, those of the picture in it 10 x 10.
+         std::pair{ quarter, std::vector<gfloat>{ 0, 0, 0, 0, 0.375F,
+                                                  (0.25F + 0.5F + 1 + 0.125F) / 4 } } }) {
+    g_autoptr(GstBuffer) moved = gst_buffer_new();
+    fail_unless(move(source, moved, matrix));
+    const std::vector<gfloat> got = levels_of(moved);
+    for (std::size_t i = 0; i < levels.size(); i++)
+      fail_unless(std::abs(got[i] - levels[i]) < 1e-5F, "cell %u: %g", static_cast<guint>(i),
+                  static_cast<double>(got[i]));
+  }
+  for (const Matrix &matrix : { sheared, perspective, nowhere }) {
+    g_autoptr(GstBuffer) moved = gst_buffer_new();
+    fail_if(move(source, moved, matrix));
+    fail_unless_equals_int(count_metas(moved), 0);
+  }
+}
+GST_END_TEST;
+
+/// Two pictures in one frame have one map, the stronger level of each cell.
+GST_START_TEST(test_two_pictures)
+{
+  GstVideoInfo in;
+  GstVideoInfo out;
+  gst_video_info_set_format(&in, GST_VIDEO_FORMAT_I420, 60, 40);
+  gst_video_info_set_format(&out, GST_VIDEO_FORMAT_I420, 120, 40);
+  const GstVideoRectangle all{ 0, 0, 60, 40 };
+  g_autoptr(GstBuffer) frame = gst_buffer_new();
+  for (const int x : { 0, 60, 0 }) {
+    const std::array<gfloat, 4> levels{ 0.25F, 0.5F, x > 0 ? 1.0F : 0.75F, 0 };
+    g_autoptr(GstBuffer) picture = gst_buffer_new();
+    gst_buffer_add_tactile_meta(picture, 1, 4, levels.data(), levels.size());
+    fail_unless(
+        move(picture, frame,
+             { &in, all, &out, { x, 0, 60, 40 }, { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }));
+  }
+  fail_unless(levels_of(frame) == std::vector<gfloat>({ 0.375F, 0.375F, 0.375F, 0.5F }));
+}
+GST_END_TEST;
+
+/// The levels are upright already: who turns the frame, too, leaves them. What comes after that
+/// turns both.
+GST_START_TEST(test_turned_as_told)
+{
+  GstVideoInfo in;
+  GstVideoInfo out;
+  gst_video_info_set_format(&in, GST_VIDEO_FORMAT_I420, 60, 40);
+  gst_video_info_set_format(&out, GST_VIDEO_FORMAT_I420, 40, 60);
+  const Matrix right{
+    &in, { 0, 0, 60, 40 }, &out, { 0, 0, 40, 60 }, { { 0, -1, 39 }, { 1, 0, 0 }, { 0, 0, 1 } }
+  };
+  const Matrix mirrored{
+    &out, { 0, 0, 40, 60 }, &out, { 0, 0, 40, 60 }, { { -1, 0, 39 }, { 0, 1, 0 }, { 0, 0, 1 } }
+  };
+  // The left half of the stored frame is the upper half of what is seen.
+  const Matrix half{
+    &in, { 0, 0, 30, 40 }, &in, { 0, 0, 60, 40 }, { { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
+  };
+  g_autoptr(GstBuffer) source = gst_buffer_new();
+  gst_tactile_meta_set_video_direction(add(source), GST_VIDEO_ORIENTATION_90R);
+  g_autoptr(GstBuffer) turned = gst_buffer_new();
+  fail_unless(move(source, turned, right));
+  assert_levels(turned);
+  g_autoptr(GstBuffer) copy = gst_buffer_copy(turned);
+  g_autoptr(GstBuffer) then = gst_buffer_new();
+  fail_unless(move(copy, then, mirrored));
+  fail_unless(levels_of(then) == std::vector<gfloat>({ 0.5F, 0.25F, 0, 0.125F, 1, 0.75F }));
+  g_autoptr(GstBuffer) upper = gst_buffer_new();
+  fail_unless(move(source, upper, half));
+  fail_unless(levels_of(upper) == std::vector<gfloat>({ 0, 0.25F, 0.5F, 0, 0.25F, 0.5F }));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_pooled_buffers)
 {
   GstBufferPool *pool = gst_buffer_pool_new();
@@ -204,7 +332,7 @@ GST_START_TEST(test_survives_real_elements)
 {
   GstHarness *h = gst_harness_new_parse(
       "videoconvert ! videoscale ! video/x-raw,format=RGB,width=20,height=30 ! "
-      "videoconvert ! video/x-raw,format=NV12 ! videoflip ! identity");
+      "videoconvert ! video/x-raw,format=NV12 ! identity");
   gst_harness_set_src_caps_str(
       h, "video/x-raw,format=I420,width=40,height=30,framerate=30/1,interlace-mode=progressive");
   GstBuffer *buffer = gst_buffer_new_allocate(nullptr, 40 * 30 * 3 / 2, nullptr);
@@ -237,6 +365,9 @@ tactile_meta_suite(void)
   tcase_add_test(tests, test_one_per_buffer);
   tcase_add_test(tests, test_copies);
   tcase_add_test(tests, test_transforms);
+  tcase_add_test(tests, test_moved_picture);
+  tcase_add_test(tests, test_two_pictures);
+  tcase_add_test(tests, test_turned_as_told);
   tcase_add_test(tests, test_pooled_buffers);
   tcase_add_test(tests, test_survives_real_elements);
   return suite;

@@ -44,7 +44,7 @@ public:
   ~SdlPort() override
   {
     const std::lock_guard lock(sdl_mutex);
-    stop();
+    send({}, 0);
     SDL_GameControllerClose(controller_);
     taken.erase(id_);
   }
@@ -67,15 +67,9 @@ public:
   bool rumble(const GamepadLevels &levels, Time duration) override
   {
     const std::lock_guard lock(sdl_mutex);
-    const auto ms = static_cast<Uint32>(
-        std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
-    const bool grips
-        = SDL_GameControllerRumble(controller_, strength(levels[0]), strength(levels[1]), ms) == 0;
-    const bool triggers = !has_triggers()
-                          || SDL_GameControllerRumbleTriggers(controller_, strength(levels[2]),
-                                                              strength(levels[3]), ms)
-                                 == 0;
-    return grips && triggers;
+    return send(levels,
+                static_cast<Uint32>(
+                    std::chrono::duration_cast<std::chrono::milliseconds>(duration).count()));
   }
 
   bool is_there() override
@@ -90,15 +84,29 @@ private:
     return SDL_GameControllerHasRumbleTriggers(controller_);
   }
 
-  void stop()
+  /// SDL does not send a zero to a pad that it believes to be at zero: one that was just opened and
+  /// may run from before, and in SDL 3 one whose last rumble failed, which may have begun all the
+  /// same. So a level that nobody feels goes before such a zero.
+  bool send(const GamepadLevels &levels, Uint32 ms)
   {
-    SDL_GameControllerRumble(controller_, 0, 0, 0);
-    if (has_triggers())
-      SDL_GameControllerRumbleTriggers(controller_, 0, 0, 0);
+    if (!is_known_ && levels == GamepadLevels{})
+      set(1, 1, 1, 1, ms);
+    is_known_ = set(strength(levels[0]), strength(levels[1]), strength(levels[2]),
+                    strength(levels[3]), ms);
+    return is_known_;
+  }
+
+  bool set(Uint16 low, Uint16 high, Uint16 left, Uint16 right, Uint32 ms)
+  {
+    const bool grips = SDL_GameControllerRumble(controller_, low, high, ms) == 0;
+    const bool triggers
+        = !has_triggers() || SDL_GameControllerRumbleTriggers(controller_, left, right, ms) == 0;
+    return grips && triggers;
   }
 
   SDL_GameController *const controller_;
   const SDL_JoystickID id_;
+  bool is_known_ = false; ///< SDL's levels are those of the pad
 };
 
 class SdlGamepads final : public tactor::Gamepads
