@@ -8,26 +8,35 @@
 
 namespace sound {
 
+namespace {
+
+bool
+is_impact(std::span<const float> features)
+{
+  std::array<float, kOnsetMean.size()> scaled{};
+  for (std::size_t i = 0; i < scaled.size(); i++)
+    scaled[i] = std::clamp((features[i] - kOnsetMean[i]) * kOnsetScale[i], -4.0F, 4.0F);
+  float score = kOnsetOffset;
+  for (std::size_t unit = 0; unit < kOnsetOut.size(); unit++) {
+    const auto weights = kOnsetHidden.begin() + static_cast<std::ptrdiff_t>(unit * scaled.size());
+    const float sum
+        = std::inner_product(scaled.begin(), scaled.end(), weights, kOnsetHiddenOffset[unit]);
+    score += kOnsetOut[unit] * std::max(sum, 0.0F);
+  }
+  return score > 0;
+}
+
+} // namespace
+
 bool
 OnsetDetector::add(const BandPowers &powers)
 {
   const bool rises = features_.add(powers);
   dead_ = std::max(dead_ - 1, 0);
-  if (!rises || dead_ > 0)
+  if (!rises || dead_ > 0 || !is_impact(features_.features()))
     return false;
-  const Features &features = features_.features();
-  for (const Score &score : kScores)
-    if (std::inner_product(features.begin(), features.end(), score.weights.begin(), score.offset)
-        <= 0)
-      return false;
   dead_ = kDeadHops;
   return true;
-}
-
-const Powers &
-OnsetDetector::before() const
-{
-  return features_.before();
 }
 
 void

@@ -2,6 +2,10 @@
 #include "sound/rumble.h"
 
 #include "sound/level.h"
+#include "sound/rumble_weights.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace sound {
 
@@ -11,9 +15,8 @@ constexpr double kHopS = 0.005;
 constexpr double kSmoothS = 0.08;
 /// The weakest that is felt, dB of full scale.
 constexpr double kLeastDb = -36;
-/// It begins to be a large part of the sound at the first, and ceases at the second, dB.
-constexpr double kLargeDb = -3;
-constexpr double kSmallDb = -10;
+/// Once it is rumble, its score may fall so low.
+constexpr float kHolds = -1;
 /// It has to last this long where a vowel was as loud: a puff of breath into a microphone lasts 20
 /// to 100 ms.
 constexpr int kLeastHops = 40;
@@ -34,6 +37,17 @@ double
 share_in(double seconds)
 {
   return 1 - std::exp(-kHopS / seconds);
+}
+
+/// How much it is like engines and thunder, and not like music and voices: above 0 if more.
+float
+score_of(std::span<const float> features)
+{
+  float score = kRumbleOffset;
+  for (std::size_t i = 0; i < kRumbleWeights.size(); i++)
+    score += kRumbleWeights[i]
+             * std::clamp((features[i] - kRumbleMean[i]) * kRumbleScale[i], -3.0F, 3.0F);
+  return score;
 }
 
 } // namespace
@@ -58,10 +72,11 @@ Rumble::add(const BandPowers &powers, double gain_db)
     effects += is_low_[c] ? deep_[c] : 0;
   }
   middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
-  is_large_ = decibels(deep) - decibels(middle_) > (is_large_ ? kSmallDb : kLargeDb);
+  const float score = score_of(features_.add(powers).subspan(1));
+  is_rumble_ = score > (is_rumble_ ? kHolds : 0);
   const double heard = std::max(decibels(deep), kSilenceDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
-  const bool goes_on = is_large_ && decibels(deep) + gain_db >= kLeastDb;
+  const bool goes_on = is_rumble_ && decibels(deep) + gain_db >= kLeastDb;
   lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
   vowel_ *= kForgotten;
   if (powers.voicing > kVoiced)
@@ -83,13 +98,14 @@ Rumble::powers() const
 void
 Rumble::reset()
 {
+  features_.reset();
   deep_.fill(0);
   quick_ = 0;
   middle_ = 0;
   vowel_ = 0;
   lasted_ = 0;
   floor_ = kSilenceDb;
-  is_large_ = false;
+  is_rumble_ = false;
   is_felt_ = false;
 }
 

@@ -289,8 +289,8 @@ CAPTION
     sound-real)
       head_of "Real sounds"
       cat <<'CAPTION'
-The detector learned synthetic impacts only. This is what it makes of explosions, impacts, shots and footsteps of three
-games (Debian's scorched3d-data, teeworlds-data and hedgewars-data), chosen by file name, unheard. The mixes have about 120 of them each, alone, over those games'
+Explosions, impacts, shots and footsteps of three games (Debian's scorched3d-data, teeworlds-data and
+hedgewars-data), chosen by file name, unheard. The mixes have about 120 of them each, alone, over those games'
 music, most of it with drums, and over people's voices, at 16 kHz, mono, with their peak at −3 dB of full scale.
 The ratio is of an effect's first 100 ms to the rest. In the first table are F1 within 50 ms of the first 5 ms
 within 15 dB of the loudest, and onsets a minute where no impact is. aubio and the envelope (10 ms louder than the
