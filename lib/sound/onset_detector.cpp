@@ -10,8 +10,10 @@ namespace sound {
 
 namespace {
 
-bool
-is_impact(std::span<const float> features)
+constexpr float kMostScore = 8;
+
+float
+score_of(std::span<const float> features)
 {
   std::array<float, kOnsetMean.size()> scaled{};
   for (std::size_t i = 0; i < scaled.size(); i++)
@@ -23,7 +25,7 @@ is_impact(std::span<const float> features)
         = std::inner_product(scaled.begin(), scaled.end(), weights, kOnsetHiddenOffset[unit]);
     score += kOnsetOut[unit] * std::max(sum, 0.0F);
   }
-  return score > 0;
+  return std::clamp(score, -kMostScore, kMostScore);
 }
 
 } // namespace
@@ -32,8 +34,11 @@ bool
 OnsetDetector::add(const BandPowers &powers)
 {
   const bool rises = features_.add(powers);
+  std::shift_right(scores_.begin(), scores_.end(), 1);
+  scores_[0] = rises ? score_of(features_.features()) : -kMostScore;
   dead_ = std::max(dead_ - 1, 0);
-  if (!rises || dead_ > 0 || !is_impact(features_.features()))
+  const float sum = std::accumulate(scores_.begin(), scores_.end(), 0.0F);
+  if (!rises || dead_ > 0 || sum <= kOnsetLeast * static_cast<float>(scores_.size()))
     return false;
   dead_ = kDeadHops;
   return true;
@@ -43,6 +48,7 @@ void
 OnsetDetector::reset()
 {
   features_.reset();
+  scores_.fill(-kMostScore);
   dead_ = 0;
 }
 

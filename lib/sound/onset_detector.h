@@ -16,6 +16,11 @@ public:
 
   static constexpr int kAhead = OnsetFeatures::kAhead;
 
+  OnsetDetector()
+  {
+    reset();
+  }
+
   /// Takes the next hop. True if an impact was heard in the hop kAhead before it.
   bool add(const BandPowers &powers);
 
@@ -29,7 +34,8 @@ public:
 
 private:
   OnsetFeatures features_;
-  int dead_ = 0; ///< hops until the next onset may come
+  std::array<float, 3> scores_{}; ///< of the newest hops: what is an impact in one only is chance
+  int dead_ = 0;                  ///< hops until the next onset may come
 };
 
 } // namespace sound

@@ -613,5 +613,6 @@ inline constexpr std::array<float, 40> kOnsetOut{
   -0.6439F, 0.5283F,  -0.7688F, 0.5918F,  -0.5037F, -0.5003F, -0.7203F, 0.5134F, 0.4508F,  -0.7935F
 };
 inline constexpr float kOnsetOffset = -3.0956F;
+inline constexpr float kOnsetLeast = -1.1F;
 
 } // namespace sound

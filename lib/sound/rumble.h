@@ -35,6 +35,7 @@ private:
   double floor_ = 0;  ///< what was heard for long, dB
   double vowel_ = 0;  ///< power of the loudest vowel, which is forgotten
   int lasted_ = 0;    ///< hops
+  double fading_ = 0; ///< the weakest since it was like rumble, dB
   bool is_rumble_ = false;
   bool is_felt_ = false;
 };

@@ -123,13 +123,34 @@ def coded(samples, codec, rate, cache):
     return np.concatenate([out, np.zeros(len(samples) - len(out))]).astype(np.float32)
 
 
+def dialogue_of(of, seconds, rng):
+    """Speech as films have it: near or far in a room, with puffs of breath, over music and what is heard of the place."""
+    speech = faster(bed_of("speech", of, 1.3 * seconds, rng), rng.uniform(0.8, 1.25))[: int(seconds * RATE)]
+    if rng.random() < 0.3:  # puffs of breath, of plosives
+        for at in np.cumsum(rng.exponential(2, int(seconds / 2))):
+            begin = int(at * RATE)
+            n = int(RATE * rng.uniform(0.02, 0.1))
+            if begin + n < len(speech) and np.abs(speech[begin : begin + n]).max() > 0.02:
+                puff = band_pass(rng.standard_normal(n).astype(np.float32), 20, rng.uniform(60, 300)) * np.hanning(n)
+                speech[begin : begin + n] += puff * (0.1 * 10 ** (rng.uniform(-10, 6) / 20) / (np.sqrt((puff**2).mean()) + 1e-9))
+    if rng.random() < 0.7:
+        speech = room(speech, rng, 0.15 * 8 ** rng.random(), rng.uniform(0.1, 1.0))
+    if rng.random() < 0.4:
+        speech = band_pass(speech, rng.uniform(60, 250), rng.uniform(3000, 7500))
+    speech = speech * 0.1 / np.sqrt((speech**2).mean())
+    place = bed_of("ambient" if "ambient" in of and rng.random() < 0.5 else "noise", of, seconds, rng) * 10 ** (-rng.uniform(10, 35) / 20)
+    return speech + place + (bed_of("music", of, seconds, rng) * 10 ** (-rng.uniform(-2, 20) / 20) if rng.random() < 0.8 else 0)
+
+
 def bed_of(kind, of, seconds, rng):
-    """Sound that goes on for so long, at −20 dB: music, speech, both, noise, ambient or none."""
+    """Sound that goes on for so long, at −20 dB: music, speech, both, dialogue, noise, ambient or none."""
     n = int(seconds * RATE)
     if kind == "silence":
         return np.zeros(n, np.float32)
     if kind == "both":
         return bed_of("music", of, seconds, rng) * 10 ** (-rng.uniform(3, 14) / 20) + bed_of("speech", of, seconds, rng)
+    if kind == "dialogue":
+        return dialogue_of(of, seconds, rng).astype(np.float32)
     if kind == "noise":
         bed = band_pass(rng.standard_normal(n).astype(np.float32), 0, rng.choice([400, 2000, 7000]))
         bed = bed * (1 + 0.5 * np.interp(np.arange(n), np.arange(0, n + RATE, RATE), rng.standard_normal(n // RATE + 1 + (n % RATE > 0))))

@@ -29,10 +29,10 @@ PER_MINUTE = 1.0  # other music gives four to five times as many
 RUMBLE_IN_MUSIC = 0.025
 DEAD_S = 0.15  # OnsetDetector::kDeadHops
 FILM_S = 60
-LEARN = {"music": 70, "speech": 16, "both": 16, "silence": 20, "noise": 5, "ambient": 10}
-ALONE = {"music": 90, "speech": 24, "both": 12, "ambient": 10}
-CHOOSE = {"music": 12, "speech": 4, "silence": 4}
-CHOOSE_ALONE = {"music": 24, "speech": 8, "both": 6}
+LEARN = {"music": 60, "speech": 8, "both": 10, "dialogue": 24, "silence": 16, "noise": 5, "ambient": 8}
+ALONE = {"music": 80, "speech": 12, "both": 10, "dialogue": 32, "ambient": 8}
+CHOOSE = {"music": 12, "speech": 3, "dialogue": 4, "silence": 3}
+CHOOSE_ALONE = {"music": 28, "speech": 5, "dialogue": 14, "both": 3}
 CHOOSE_RATIOS = (6, 0, -6)
 TIMES = {"explosion": 3, "impact": 1, "gun": 2, "footstep": 1}
 
@@ -135,7 +135,7 @@ def learn(moments, seed, hidden=HIDDEN, epochs=EPOCHS, of_speech=OF_SPEECH, of_i
     net |= {"mean": moments.rows.mean(axis=0), "spread": moments.rows.std(axis=0) + 1e-3}
     x = scaled(moments.rows, net)
     others = np.flatnonzero(moments.bag == 0)
-    speech = np.array([kind.startswith(("speech", "both")) for kind, *_ in moments.kinds])[moments.film]
+    speech = np.array([kind.startswith(("speech", "both", "dialogue")) for kind, *_ in moments.kinds])[moments.film]
     step = 0
     score = x[:, 73]  # the flux
     for epoch in range(epochs):
