@@ -11,6 +11,9 @@ namespace sound {
 namespace {
 
 constexpr float kMostScore = 8;
+/// So much more score is needed after half a second of which 30 % is voiced or tones, nothing more
+/// if 10 %.
+constexpr float kMoreOfSpoken = 6.5F;
 
 float
 score_of(std::span<const float> features)
@@ -28,6 +31,14 @@ score_of(std::span<const float> features)
   return std::clamp(score, -kMostScore, kMostScore);
 }
 
+/// The score that is needed there.
+float
+least(std::span<const float> features)
+{
+  return kOnsetLeast
+         + kMoreOfSpoken * std::clamp((features[OnsetFeatures::kSpoken] - 1) / 2, 0.0F, 1.0F);
+}
+
 } // namespace
 
 bool
@@ -37,8 +48,9 @@ OnsetDetector::add(const BandPowers &powers)
   std::shift_right(scores_.begin(), scores_.end(), 1);
   scores_[0] = rises ? score_of(features_.features()) : -kMostScore;
   dead_ = std::max(dead_ - 1, 0);
-  const float sum = std::accumulate(scores_.begin(), scores_.end(), 0.0F);
-  if (!rises || dead_ > 0 || sum <= kOnsetLeast * static_cast<float>(scores_.size()))
+  const float mean
+      = std::accumulate(scores_.begin(), scores_.end(), 0.0F) / static_cast<float>(scores_.size());
+  if (!rises || dead_ > 0 || mean <= least(features_.features()))
     return false;
   dead_ = kDeadHops;
   return true;
