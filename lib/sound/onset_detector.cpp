@@ -11,9 +11,6 @@ namespace sound {
 namespace {
 
 constexpr float kMostScore = 8;
-/// So much more score is needed after half a second of which 30 % is voiced or tones, nothing more
-/// if 10 %.
-constexpr float kMoreOfSpoken = 6.5F;
 
 float
 score_of(std::span<const float> features)
@@ -31,14 +28,6 @@ score_of(std::span<const float> features)
   return std::clamp(score, -kMostScore, kMostScore);
 }
 
-/// The score that is needed there.
-float
-least(std::span<const float> features)
-{
-  return kOnsetLeast
-         + kMoreOfSpoken * std::clamp((features[OnsetFeatures::kSpoken] - 1) / 2, 0.0F, 1.0F);
-}
-
 } // namespace
 
 bool
@@ -50,7 +39,7 @@ OnsetDetector::add(const BandPowers &powers)
   dead_ = std::max(dead_ - 1, 0);
   const float mean
       = std::accumulate(scores_.begin(), scores_.end(), 0.0F) / static_cast<float>(scores_.size());
-  if (!rises || dead_ > 0 || mean <= least(features_.features()))
+  if (!rises || dead_ > 0 || mean <= kOnsetLeast)
     return false;
   dead_ = kDeadHops;
   return true;

@@ -20,9 +20,6 @@ public:
 
   static constexpr int kCount = 99;
 
-  /// Index of the voiced share of the last half second, 10 if it is all.
-  static constexpr std::size_t kSpoken = 90;
-
   OnsetFeatures();
 
   /// Takes the next hop. True if anything rises about the hop kAhead before it.

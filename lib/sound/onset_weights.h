@@ -614,6 +614,6 @@ inline constexpr std::array<float, 40> kOnsetOut{
 };
 inline constexpr float kOnsetOffset = -3.0556F;
 /// The mean score of an impact is above.
-inline constexpr float kOnsetLeast = -1.5312F;
+inline constexpr float kOnsetLeast = 0.0410F;
 
 } // namespace sound

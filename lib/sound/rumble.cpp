@@ -20,10 +20,11 @@ constexpr double kLeastDb = -36;
 constexpr float kHolds = -1;
 constexpr double kFadesDb = 3;
 constexpr double kFadingDb = 0.06;
-/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, and to last
+/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, then within 5 dB, and to last
 /// this long: a puff of breath into a microphone lasts 20 to 100 ms.
 constexpr int kLeastHops = 40;
 constexpr double kOverMiddle = 2;
+constexpr double kHoldsMiddle = 3.2;
 constexpr double kVoiced = 0.8;       ///< voicing of vowels
 constexpr double kForgotten = 0.9886; ///< of a vowel's power in a hop: 10 dB a second
 /// It lasts until what is smoothed less falls so far below what is smoothed more, dB.
@@ -85,8 +86,9 @@ Rumble::add(const BandPowers &powers, double gain_db)
   vowel_ *= kForgotten;
   if (powers.voicing > kVoiced)
     vowel_ = std::max(vowel_, middle_);
-  const bool goes_on = is_rumble_ && decibels(deep) + gain_db >= kLeastDb
-                       && (vowel_ < deep || middle_ < kOverMiddle * deep);
+  const bool goes_on
+      = is_rumble_ && decibels(deep) + gain_db >= kLeastDb
+        && (vowel_ < deep || middle_ < (is_felt_ ? kHoldsMiddle : kOverMiddle) * deep);
   lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
   is_felt_ = goes_on && (is_felt_ || lasted_ >= kLeastHops || vowel_ < deep);
   const double felt = is_felt_ ? deep : effects;

@@ -28,11 +28,10 @@ TUNE_EPOCHS = 6
 SEEDS = (1, 2, 3)
 BATCH, POSITIVES, HARD = 1792, 256, 512
 OF_IMPACTS, OF_SPEECH = 2.0, 5.0  # weights; others' are 1
-PER_MINUTE = 1.15  # other music gives about four times as many
-# As OnsetDetector: the score of three moments in a row, which is within ± MOST; more is needed where something was voiced.
+PER_MINUTE = 1.15  # other music gives about three times as many
+# As OnsetDetector: the score of three moments in a row, which is within ± MOST.
 IN_ROW, MOST = 3, 8.0
-MORE_OF_SPOKEN = 6.5
-FLUX, SPOKEN = 67, 90  # features
+FLUX = 67  # the feature
 RUMBLE_IN_MUSIC = 0.025
 DEAD_S = 0.15  # OnsetDetector::kDeadHops
 FILM_S = 60
@@ -128,14 +127,14 @@ def scores(net, x):
 
 
 def judged_score(moments, net):
-    """Of each moment the mean of the last three, less what more is needed there."""
+    """Of each moment the mean of the last three."""
     score = np.clip(scores(net, scaled(moments.rows, net)), -MOST, MOST)
     total = score.copy()
     for back in range(1, IN_ROW):
         is_next = np.abs(moments.seconds[back:] - moments.seconds[:-back] - 0.005 * back) < 0.001
         total[:back] -= MOST
         total[back:] += np.where(is_next, score[:-back], -MOST)
-    return total / IN_ROW - MORE_OF_SPOKEN * np.clip((moments.rows[:, SPOKEN] - 1) / 2, 0, 1)
+    return total / IN_ROW
 
 
 def best_of_bags(moments, score):
