@@ -123,7 +123,7 @@ def coded(samples, codec, rate, cache):
     return np.concatenate([out, np.zeros(len(samples) - len(out))]).astype(np.float32)
 
 
-def dialogue_of(of, seconds, rng):
+def dialog_of(of, seconds, rng):
     """Speech as films have it: near or far in a room, with puffs of breath, over music and what is heard of the place."""
     speech = faster(bed_of("speech", of, 1.3 * seconds, rng), rng.uniform(0.8, 1.25))[: int(seconds * RATE)]
     if rng.random() < 0.3:  # puffs of breath, of plosives
@@ -143,14 +143,14 @@ def dialogue_of(of, seconds, rng):
 
 
 def bed_of(kind, of, seconds, rng):
-    """Sound that goes on for so long, at −20 dB: music, speech, both, dialogue, noise, ambient or none."""
+    """Sound that goes on for so long, at −20 dB: music, speech, both, dialog, noise, ambient or none."""
     n = int(seconds * RATE)
     if kind == "silence":
         return np.zeros(n, np.float32)
     if kind == "both":
         return bed_of("music", of, seconds, rng) * 10 ** (-rng.uniform(3, 14) / 20) + bed_of("speech", of, seconds, rng)
-    if kind == "dialogue":
-        return dialogue_of(of, seconds, rng).astype(np.float32)
+    if kind == "dialog":
+        return dialog_of(of, seconds, rng).astype(np.float32)
     if kind == "noise":
         bed = band_pass(rng.standard_normal(n).astype(np.float32), 0, rng.choice([400, 2000, 7000]))
         bed = bed * (1 + 0.5 * np.interp(np.arange(n), np.arange(0, n + RATE, RATE), rng.standard_normal(n // RATE + 1 + (n % RATE > 0))))

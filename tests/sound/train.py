@@ -35,10 +35,10 @@ FLUX = 67  # the feature
 RUMBLE_IN_MUSIC = 0.025
 DEAD_S = 0.15  # OnsetDetector::kDeadHops
 FILM_S = 60
-LEARN = {"music": 60, "speech": 8, "both": 10, "dialogue": 24, "silence": 16, "noise": 5, "ambient": 8}
-ALONE = {"music": 80, "speech": 12, "both": 10, "dialogue": 32, "ambient": 8}
-CHOOSE = {"music": 12, "speech": 3, "dialogue": 4, "silence": 3}
-CHOOSE_ALONE = {"music": 28, "speech": 5, "dialogue": 14, "both": 3}
+LEARN = {"music": 60, "speech": 8, "both": 10, "dialog": 24, "silence": 16, "noise": 5, "ambient": 8}
+ALONE = {"music": 80, "speech": 12, "both": 10, "dialog": 32, "ambient": 8}
+CHOOSE = {"music": 12, "speech": 3, "dialog": 4, "silence": 3}
+CHOOSE_ALONE = {"music": 28, "speech": 5, "dialog": 14, "both": 3}
 CHOOSE_RATIOS = (6, 0, -6)
 TIMES = {"explosion": 3, "impact": 1, "gun": 2, "footstep": 1}
 
@@ -163,7 +163,7 @@ def learn(moments, seed, start=None, hidden=HIDDEN, of_speech=OF_SPEECH, of_impa
         net |= {"mean": moments.rows.mean(axis=0), "spread": moments.rows.std(axis=0) + 1e-3}
     x = scaled(moments.rows, net)
     others = np.flatnonzero(moments.bag == 0)
-    speech = np.array([kind.startswith(("speech", "both", "dialogue")) for kind, *_ in moments.kinds])[moments.film]
+    speech = np.array([kind.startswith(("speech", "both", "dialog")) for kind, *_ in moments.kinds])[moments.film]
     step = 0
     score = scores(net, x) if start else x[:, FLUX]
     for epoch in range(epochs):
