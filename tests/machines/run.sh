@@ -3,7 +3,7 @@
 # Tries this checkout's commits on a bare machine of another release: a chroot with nothing but Debian's required packages. Prints a row of a table for
 # each step that is asked for, with its seconds of wall time; the log of each step is in the folder of the machine.
 #
-# Usage: tests/machines/run.sh [--steps=LIST] [--keep] [--ccache=FOLDER] [debian-12 | debian-13 | sid] [amd64 | arm64]
+# Usage: tests/machines/run.sh [--steps=LIST] [--keep] [--ccache=FOLDER] [--tests=ARGUMENTS] [debian-12 | debian-13 | sid] [amd64 | arm64]
 #                                                                                     (default: this machine's; as root)
 #        tests/machines/run.sh --table      what all runs showed last
 #   LIST of  set-up    what the README's two commands install
@@ -16,6 +16,7 @@
 #   arm64 on a PC is cross-compiled: set-up; build, of libraries and plugins, whose maps are compared by maps.sh; film, by qemu.
 #   --keep    goes on with the machine that the last run left, and with this checkout's commits
 #   --ccache  with a compiler cache, which is kept in FOLDER
+#   --tests   ARGUMENTS of tests/run.sh, for some tests
 # Expects debootstrap. It keeps the bare machine as an archive in the user's cache, $VISUOTACTILE_MACHINES if that is set, and the rows beside it.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -23,6 +24,7 @@ steps=set-up,build,film,packages
 cache=${VISUOTACTILE_MACHINES:-${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines}
 keep=
 compiled=
+tests=
 fail() {
   echo "run.sh: $1" >&2
   exit 1
@@ -44,12 +46,13 @@ table() {
 }
 while :; do
   case ${1:-} in
-    -h | --help) sed -n '3,22s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,23s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --steps=*) steps=${1#--steps=} ;;
     --keep) keep=yes ;;
     --ccache=*) mkdir -p "${1#--ccache=}"; compiled=$(cd "${1#--ccache=}" && pwd) ;;
+    --tests=*) tests=${1#--tests=} ;;
     --table) table; exit 0 ;;
-    -*) fail "expected --steps=LIST, --keep, --ccache=FOLDER or --table, got '$1'; see run.sh --help" ;;
+    -*) fail "expected --steps=LIST, --keep, --ccache=FOLDER, --tests=ARGUMENTS or --table, got '$1'; see run.sh --help" ;;
     *) break ;;
   esac
   shift
@@ -108,7 +111,8 @@ make_machine() {
   cp /etc/resolv.conf "$1/etc/"
   cp /etc/apt/apt.conf.d/*proxy* "$1/etc/apt/apt.conf.d/" 2>/dev/null || true
 }
-[ -n "$keep" ] && [ -d "$machine/visuotactile" ] || make_machine "$machine"
+[ -n "$keep" ] || rm -rf "$machine"
+[ -d "$machine/visuotactile" ] || make_machine "$machine"
 # Root may run this in a user's checkout.
 git=(git -c safe.directory="$root" -C "$root")
 "${git[@]}" bundle create -q "$machine/commits" HEAD
@@ -137,7 +141,7 @@ step() {
     status=1
   fi
   echo "| $release | $architecture | $name | ${result:-yes} | $((SECONDS - since)) s |"
-  echo "${result:-yes}, $((SECONDS - since)) s, $commit" >"$cache/rows/$release-$architecture-$name"
+  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s, $commit" >"$cache/rows/$release-$architecture-$name"
 }
 echo "| machine | architecture | step | result | time |"
 echo "|---|---|---|---|---|"
@@ -156,7 +160,7 @@ else
   step build 'meson setup build; ninja -C build play | tee /tmp/log; echo "result: $(grep -c warning: /tmp/log || true) warnings"'
   step film 'export XDG_RUNTIME_DIR=/tmp; gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm
     VISUOTACTILE_NO_SETUP=1 pipelines/play.sh --no-window --output=/tmp/played /tmp/film.webm; n=$(sed 1d /tmp/played/commands.csv | wc -l); [ "$n" -gt 0 ]; echo "result: $n commands"'
-  step tests 'tests/run.sh'
+  step tests "tests/run.sh $tests"
   step packages 'tools/setup.sh build packages; lintian --version; tools/packages.sh /packages; echo "result: $(ls /packages/*.deb | wc -l) packages, lintian silent"'
   if [[ ,$steps, == *,packages,* ]] && ls "$machine"/packages/*.deb >/dev/null 2>&1; then
     built=$machine
