@@ -5,7 +5,7 @@
 #
 # Usage: tests/machines/run.sh [--steps=LIST] [--keep] [--ccache=FOLDER] [--tests=ARGUMENTS] [debian-12 | debian-13 | sid] [amd64 | arm64]
 #                                                                                     (default: this machine's; as root)
-#        tests/machines/run.sh --table      what all runs showed last
+#        tests/machines/run.sh --table      what all runs showed last: docs/measured/machines.md
 #   LIST of  set-up    what the README's two commands install
 #            build     the target 'play'
 #            film      pipelines/play.sh, the first film, without a window
@@ -32,6 +32,20 @@ fail() {
 # What the last run of each step on each machine left in $cache/rows: a file with its result, its time and its commit.
 table() {
   local machine architecture step row
+  cat <<'PAGE'
+# Machines
+
+Made by `tests/machines/run.sh --table` of runs for each row; do not edit.
+
+Bare chroots on one PC of two processors, which other programs used at the same time (load 10 to 18): times are
+of the wall and say little. arm64 is cross-compiled and emulated. –: not run.
+
+- set-up: `tools/setup.sh`; the compiler. build: the target `play`; warnings of this project's files.
+- film: `pipelines/play.sh`; commands to motors. tests: `tests/run.sh`.
+- packages: `tools/packages.sh` and lintian. installed: on another bare machine, without recommended packages, not as
+  root.
+
+PAGE
   echo "| machine | set-up | build | film | tests | packages | installed |"
   echo "|---|---|---|---|---|---|---|"
   for machine in debian-12 debian-13 sid; do
