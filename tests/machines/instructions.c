@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later */
-/* A plugin of QEMU 7 and 8 that counts the instructions of a program, of all its threads, and of arm64's those of NEON, SVE and floating point. It
- * writes both to the file that its argument "to" names.
+/* A plugin of QEMU 7 and 8 that counts the instructions of a program, of all its threads, and of
+ * arm64's those of NEON, SVE and floating point. It writes both to the file that its argument "to"
+ * names.
  *
- * Debian has no package with qemu-plugin.h: what is declared here is of QEMU's interface, version 1. */
+ * Debian has no package with qemu-plugin.h: what is declared here is of QEMU's interface,
+ * version 1. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,11 +14,14 @@
 
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;
-struct info {
+struct info
+{
   const char *target_name;
 };
-void qemu_plugin_register_vcpu_tb_trans_cb(uint64_t id, void (*)(uint64_t, struct qemu_plugin_tb *));
-void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb *, void (*)(unsigned, void *), int, void *);
+void qemu_plugin_register_vcpu_tb_trans_cb(uint64_t id,
+                                           void (*)(uint64_t, struct qemu_plugin_tb *));
+void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb *, void (*)(unsigned, void *), int,
+                                          void *);
 void qemu_plugin_register_atexit_cb(uint64_t id, void (*)(uint64_t, void *), void *);
 size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *);
 struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *, size_t);
