@@ -155,7 +155,7 @@ step() {
     status=1
   fi
   echo "| $release | $architecture | $name | ${result:-yes} | $((SECONDS - since)) s |"
-  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s, $commit" >"$cache/rows/$release-$architecture-$name"
+  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s${compiled:+ (ccache)}, $commit" >"$cache/rows/$release-$architecture-$name"
 }
 echo "| machine | architecture | step | result | time |"
 echo "|---|---|---|---|---|"
