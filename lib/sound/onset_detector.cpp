@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sound/onset_detector.h"
 
+#include "sound/level.h"
 #include "sound/onset_weights.h"
 
 #include <algorithm>
@@ -11,6 +12,9 @@ namespace sound {
 namespace {
 
 constexpr float kMostScore = 8;
+/// After less than kQuietDb, what begins is no drum among others, and needs less of a score.
+constexpr double kQuietDb = -70;
+constexpr float kQuietLeast = -2;
 
 float
 score_of(std::span<const float> features)
@@ -28,6 +32,12 @@ score_of(std::span<const float> features)
   return std::clamp(score, -kMostScore, kMostScore);
 }
 
+bool
+is_quiet(const Powers &powers)
+{
+  return decibels(std::accumulate(powers.begin(), powers.end(), 0.0)) < kQuietDb;
+}
+
 } // namespace
 
 bool
@@ -39,7 +49,7 @@ OnsetDetector::add(const BandPowers &powers)
   dead_ = std::max(dead_ - 1, 0);
   const float mean
       = std::accumulate(scores_.begin(), scores_.end(), 0.0F) / static_cast<float>(scores_.size());
-  if (!rises || dead_ > 0 || mean <= kOnsetLeast)
+  if (!rises || dead_ > 0 || mean <= (is_quiet(before()) ? kQuietLeast : kOnsetLeast))
     return false;
   dead_ = kDeadHops;
   return true;
