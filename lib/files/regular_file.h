@@ -57,8 +57,9 @@ struct Error
 /// Opens a regular file for reading.
 tl::expected<File, Error> open_regular(const std::string &path);
 
-/// An error for anything else than a regular file.
+/// An error for anything else than a regular file; none where there is nothing of that name.
 tl::expected<void, Error> expect_regular(const File &file);
+tl::expected<void, Error> expect_regular(const std::string &path);
 
 /// What a regular file has from its beginning on; an error if that is more than `most` bytes.
 tl::expected<std::string, Error> read(const File &file, std::size_t most);
