@@ -324,6 +324,7 @@ GST_START_TEST(test_seeks_and_gaps)
   played.play(6);
   std::vector<guint32> seeks{ played.seek(10 * GST_SECOND) };
   played.play(6);
+  played.play_gap(); // ends a cue
   wait_for_buffers(played, of);
   seeks.push_back(played.seek(5 * GST_SECOND));
   played.play_gap(); // first of all
