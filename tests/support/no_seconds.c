@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later
  *
- * To be preloaded: no time in whole seconds ever passes, so that a program that waits for one hangs. */
+ * To be preloaded: no time in whole seconds ever passes, so that a program that waits for one
+ * hangs. */
 #include <glib.h>
 
 guint
