@@ -85,7 +85,7 @@ Playing from"
 # The demuxer moves all streams, although the sink of the sound has none.
 moved_without_sound() {
   press 185 space Right Escape
-  expect_line got '^0:10 of 1:30$'
+  expect_line got '^0:1[0-9] of 0:30$'
   expect_line out 'sound that cannot be decoded$'
 }
 
@@ -128,10 +128,12 @@ not_moved() {
   expect_said "This film cannot be moved to another time"
 }
 
-for width in 177 181 189; do
+for width in 177 181; do
   film "long$width.mkv" "$(picture "$width" 120 I420 450 | sed s,30/1,5/1,) ! vp8enc deadline=1 ! matroskamux"
 done
-film heard.mkv "$(picture 185 120 I420 450 | sed s,30/1,5/1,) ! vp8enc deadline=1 ! matroskamux name=mux ${vorbis/num-buffers=40/num-buffers=3600} ! mux. mux."
+# Few frames, as making them takes a while.
+film long189.mkv "$(picture 189 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux"
+film heard.mkv "$(picture 185 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux name=mux ${vorbis/num-buffers=40/num-buffers=1200} ! mux. mux."
 sed 's/A_VORBIS/A_XORBIS/' heard.mkv >long185.mkv
 film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
 cut_film cut.mkv sound.mkv 50

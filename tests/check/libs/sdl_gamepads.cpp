@@ -40,6 +40,8 @@ SDL_GameControllerRumble(SDL_GameController *controller, Uint16 low, Uint16 high
   const int result = next(controller, low, high, ms);
   if (result == 0)
     believed = { low, high };
+  else if (remembers_success_alone)
+    next(controller, low, high, 0); // SDL 2 would end it in time; this sends nothing
   return result;
 }
 
