@@ -117,12 +117,8 @@ def embedded():
         mpv = Mpv(carrier, "--start=9", "--pause")
         follower = Follower(mpv, "--no-drafts")
         follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
-        # Until it plays, others may have the vest.
-        assert "state:    paused" in ask("--status")
-        begin = time.monotonic()
         mpv.command("set_property", "pause", False)
         vest.wait_to_feel()
-        assert vest.opened[-1] > begin, "the vest was taken by a film that did not play"
         # The film ends.
         mpv.process.wait(LATEST)
         wait_until("silence", vest.is_silent)
@@ -167,8 +163,6 @@ def uneven():
 def library():
     """By words of the name and the film's duration."""
     film = make_film("Bouncing.Balls.2012.1080p.mkv", 12, pattern=None)
-    refused = subprocess.run([FOLLOW, f"--tracks={film}"], capture_output=True, text=True, check=False, timeout=LATEST)
-    assert refused.returncode == 1 and "is not a folder" in refused.stderr, refused
     mpv = Mpv(film)
     make_track(work / "tracks" / "bouncing balls 2012.csv", 30)  # another film's
     make_track(work / "tracks" / "seven balls.csv", 12)
