@@ -15,13 +15,13 @@ constexpr double kHopS = 0.005;
 constexpr double kSmoothS = 0.08;
 /// The weakest that is felt, dB of full scale.
 constexpr double kLeastDb = -36;
-/// Once it is rumble, its score may fall so low; lower while it only fades, within so many dB, by so
-/// many dB in a hop at least.
+/// Once it is rumble, its score may fall so low; lower while it only fades, within so many dB, by
+/// so many dB in a hop at least.
 constexpr float kHolds = -1;
 constexpr double kFadesDb = 3;
 constexpr double kFadingDb = 0.06;
-/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, then within 5 dB, and to last
-/// this long: a puff of breath into a microphone lasts 20 to 100 ms.
+/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, then within
+/// 5 dB, and to last this long: a puff of breath into a microphone lasts 20 to 100 ms.
 constexpr int kLeastHops = 40;
 constexpr double kOverMiddle = 2;
 constexpr double kHoldsMiddle = 3.2;
