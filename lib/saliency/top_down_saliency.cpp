@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/top_down_saliency.h"
 
+#include "saliency/events/event_map.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -21,14 +23,13 @@ reach_of(const Profile &profile)
   return std::ldexp(2.0, coarsest - profile.saliency_level);
 }
 
-/// The longest window in which past content still raises the map.
+/// For how long past content still raises the map.
 Time
 hold_of(const Profile &profile)
 {
-  int frames = 0;
+  int frames = profile.temporal == Temporal::events ? EventMap::kHold : 0;
   for (const WindowPair &pair : profile.windows)
-    frames = std::max({ frames, pair.center,
-                        profile.temporal_sign == TemporalSign::absolute ? pair.surround : 0 });
+    frames = std::max({ frames, pair.center, pair.surround });
   return frames * Time(std::chrono::seconds(1)) / 30;
 }
 
@@ -70,7 +71,7 @@ cover(const Axis &axis, double begin, double end)
 
 TopDownSaliency::TopDownSaliency(const Profile &profile, bool temporal)
     : reach_(reach_of(profile)), hold_(temporal ? hold_of(profile) : Time{}),
-      in_frames_(profile.time_base == TimeBase::frames)
+      in_frames_(profile.temporal == Temporal::windows)
 {
 }
 
