@@ -14,6 +14,11 @@ constexpr float kMost = 31;           ///< ΔE of a sample: an event is larger, 
 constexpr double kSmoothing = 3;      ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;   ///< the same of the energy
 constexpr double kBlur = 0.0375;      ///< σ in widths of the picture
+// What appears and stands is held for so long, in frames at 30 fps, more weakly toward the end, while
+// nothing else is as strong as this in ΔE.
+constexpr double kHeld = 15;
+constexpr double kFades = 0.8; ///< share of the weight that is gone at the end
+constexpr float kAlone = 1.6F;
 // Something has gone where less than this share of its contrast is left, above the least contrast.
 constexpr float kGone = 0.3F;
 constexpr float kLeast = 1;
@@ -32,7 +37,7 @@ clear(cv::Size size, cv::Mat &map)
   std::fill_n(map.ptr<float>(), map.total(), 0.0F);
 }
 
-/// The mean way of a sample, in samples.
+/// The mean way of a sample, in kUnitsOfWidth of the width.
 double
 displacement(const Similarity &motion, cv::Size size)
 {
@@ -41,7 +46,7 @@ displacement(const Similarity &motion, cv::Size size)
     for (const double y : { 0.25, 0.75 })
       sum += std::hypot(motion.x(x * size.width, y * size.height) - x * size.width,
                         motion.y(x * size.width, y * size.height) - y * size.height);
-  return sum / 4;
+  return sum / 4 * kUnitsOfWidth / size.width;
 }
 
 } // namespace
@@ -51,6 +56,7 @@ EventMap::reset()
 {
   count_ = 0;
   energy_ = 0;
+  noise_.reset();
 }
 
 void
@@ -78,12 +84,12 @@ EventMap::keep(const Look &look)
 
 /// The picture whose age is nearest to the lag.
 const EventMap::Picture *
-EventMap::compared() const
+EventMap::picture_before(double lag) const
 {
   const Picture *best = nullptr;
   for (std::size_t i = 0; i < count_; ++i) {
     const Picture &picture = past_[(latest_ + kMostPictures - i) % kMostPictures];
-    if (!best || std::abs(picture.age - kLag) < std::abs(best->age - kLag))
+    if (!best || std::abs(picture.age - lag) < std::abs(best->age - lag))
       best = &picture;
   }
   return best;
@@ -140,6 +146,64 @@ EventMap::blur(cv::Mat &map)
     }
 }
 
+/// Where in `then` is what is at a sample now.
+Similarity
+EventMap::motion_since(const Picture &then, const Look &look) const
+{
+  return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
+}
+
+/// What has appeared since `then`, in ΔE.
+void
+EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
+{
+  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
+  for (int i = 0; i < look.octaves; ++i) {
+    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
+    pooled = &pooled_[static_cast<std::size_t>(i)];
+  }
+  map.create(look.contrast.size(), CV_32FC1);
+  for (std::size_t i = 0; i < map.total(); ++i)
+    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
+  weigh_onsets(look, then, before, map);
+  blur(map);
+}
+
+/// A thing that appears is an event for half a second, as long as it stays, before a camera at rest.
+/// All that moves has precedence.
+void
+EventMap::hold_onsets(const Look &look)
+{
+  float strongest = 0;
+  float most_held = 0;
+  for (std::size_t i = 0; i < now_.total(); ++i) {
+    const float now = now_.ptr<float>()[i];
+    float &held = held_.ptr<float>()[i];
+    float &age = held_age_.ptr<float>()[i];
+    age += static_cast<float>(look.elapsed);
+    if (now >= held || static_cast<double>(age) > kHeld) {
+      held = now;
+      age = 0;
+    }
+    strongest = std::max(strongest, now);
+    most_held = std::max(most_held, held);
+  }
+  const float alone = 1 - strongest / kAlone;
+  if (alone <= 0 || most_held <= strongest)
+    return;
+  const Picture &then = *picture_before(kHeld);
+  const Similarity before = motion_since(then, look);
+  if (displacement(before, look.picture.size()) >= kLeastWay)
+    return;
+  compare(look, then, before, since_);
+  for (std::size_t i = 0; i < now_.total(); ++i) {
+    const float fades = static_cast<float>(kFades / kHeld) * held_age_.ptr<float>()[i];
+    float &now = now_.ptr<float>()[i];
+    now = std::max(now,
+                   alone * (1 - fades) * std::min(held_.ptr<float>()[i], since_.ptr<float>()[i]));
+  }
+}
+
 const cv::Mat &
 EventMap::operator()(const Look &look)
 {
@@ -149,29 +213,19 @@ EventMap::operator()(const Look &look)
   for (Picture &picture : past_)
     picture.age += look.elapsed;
   map_.create(size, CV_32FC1);
-  const Picture *then = compared();
+  const Picture *then = picture_before(kLag);
   if (!then) {
-    clear(size, map_);
-    clear(size, slow_);
+    for (cv::Mat *map : { &map_, &slow_, &held_, &held_age_ })
+      clear(size, *map);
     keep(look);
     return map_;
   }
-  const Similarity before
-      = then->pose == look.pose ? Similarity{} : then->pose.inverse() * look.pose;
-  const cv::Mat *pooled = &unexplained_(look.picture, then->lab, before);
-  for (int i = 0; i < look.octaves; ++i) {
-    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
-    pooled = &pooled_[static_cast<std::size_t>(i)];
-  }
-  now_.create(size, CV_32FC1);
-  for (std::size_t i = 0; i < now_.total(); ++i)
-    now_.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
-  weigh_onsets(look, *then, before, now_);
-  blur(now_);
-  const auto keeps = static_cast<float>(std::exp2(-look.elapsed / kSmoothing));
-  const double way
-      = displacement(before, look.picture.size()) * kUnitsOfWidth / look.picture.size().width;
+  const Similarity before = motion_since(*then, look);
+  compare(look, *then, before, now_);
+  const double way = displacement(before, look.picture.size());
   const double misfit = std::max(0.0, static_cast<double>(unexplained_.misfit()) - kLeastMisfit);
+  hold_onsets(look);
+  const auto keeps = static_cast<float>(std::exp2(-look.elapsed / kSmoothing));
   const double travel = 1 + kTravel * misfit * std::min(1.0, way / kLeastWay);
   const auto scale = static_cast<float>(1 / ((1 + way) * travel));
   float most = 0;
@@ -182,6 +236,10 @@ EventMap::operator()(const Look &look)
     map_.ptr<float>()[i] = scale * (now + slow) / 2;
     most = std::max(most, now);
   }
+  if (way > kLeastWay) // a place of the picture shows now this, now that
+    noise_.reset();
+  else
+    noise_.subtract(map_, look.elapsed);
   energy_ = std::max(static_cast<double>(most), energy_ * std::exp2(-look.elapsed / kEnergyHalf));
   keep(look);
   return map_;

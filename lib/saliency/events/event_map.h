@@ -2,6 +2,7 @@
 #pragma once
 
 #include "frame/lab_image.h"
+#include "saliency/events/noise_floor.h"
 #include "saliency/events/unexplained.h"
 #include "saliency/pyramid.h"
 #include "saliency/similarity.h"
@@ -43,7 +44,7 @@ public:
   void rebase(const Similarity &view);
 
   /// The map of an event that is over is below the floor after so long, in frames at 30 fps.
-  static constexpr int kHold = 15;
+  static constexpr int kHold = 25;
 
 private:
   struct Picture
@@ -55,21 +56,28 @@ private:
   };
 
   void keep(const Look &look);
-  const Picture *compared() const;
+  const Picture *picture_before(double lag) const;
+  Similarity motion_since(const Picture &then, const Look &look) const;
+  void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
+  void hold_onsets(const Look &look);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void blur(cv::Mat &map);
 
-  static constexpr std::size_t kMostPictures = 8;
+  static constexpr std::size_t kMostPictures = 18;
   std::vector<Picture> past_; ///< a ring
   std::size_t count_ = 0;
   std::size_t latest_ = kMostPictures - 1;
   Unexplained unexplained_;
+  NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;
   double sigma_ = 0; ///< of the blur, in samples
   std::vector<float> weights_;
   cv::Mat along_rows_;
   cv::Mat now_;
+  cv::Mat held_;     ///< the strongest event of the last half second
+  cv::Mat held_age_; ///< its age, in frames at 30 fps
+  cv::Mat since_;    ///< what changed in the last half second
   cv::Mat slow_;
   cv::Mat map_;
   double energy_ = 0;
