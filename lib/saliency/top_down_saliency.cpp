@@ -71,8 +71,15 @@ cover(const Axis &axis, double begin, double end)
 
 TopDownSaliency::TopDownSaliency(const Profile &profile, bool temporal)
     : reach_(reach_of(profile)), hold_(temporal ? hold_of(profile) : Time{}),
-      in_frames_(profile.temporal == Temporal::windows)
+      in_frames_(profile.temporal == Temporal::windows),
+      events_(temporal && profile.temporal == Temporal::events)
 {
+}
+
+double
+TopDownSaliency::reach(cv::Size map) const
+{
+  return events_ ? reach_ + EventMap::reach(map) : reach_;
 }
 
 const cv::Mat &
@@ -107,6 +114,7 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
   const cv::Rect2d &picture = found.picture;
   const Axis horizontal{ map_.cols, picture.x, picture.x + picture.width };
   const Axis vertical{ map_.rows, picture.y, picture.y + picture.height };
+  const double reach = this->reach(map_.size());
   const double step_x = picture.width / frame.width; // samples per pixel
   const double step_y = picture.height / frame.height;
   for (auto region = by_type.begin(); region != by_type.end();) {
@@ -116,8 +124,8 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
     for (; region != by_type.end() && region->type == type; ++region) {
       const double x = picture.x + region->area.x * step_x;
       const double y = picture.y + region->area.y * step_y;
-      const Cover columns = cover(horizontal, x - reach_, x + region->area.width * step_x + reach_);
-      const Cover rows = cover(vertical, y - reach_, y + region->area.height * step_y + reach_);
+      const Cover columns = cover(horizontal, x - reach, x + region->area.width * step_x + reach);
+      const Cover rows = cover(vertical, y - reach, y + region->area.height * step_y + reach);
       for (std::size_t r = 0; r < rows.shares.size(); ++r) {
         float *line = covered_[rows.first + static_cast<int>(r)] + columns.first;
         for (std::size_t c = 0; c < columns.shares.size(); ++c)

@@ -49,6 +49,12 @@ displacement(const Similarity &motion, cv::Size size)
   return sum / 4 * kUnitsOfWidth / size.width;
 }
 
+double
+blur_sigma(cv::Size map)
+{
+  return std::max(0.5, kBlur * std::max(map.width, map.height));
+}
+
 } // namespace
 
 void
@@ -111,12 +117,18 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
     }
 }
 
+int
+EventMap::reach(cv::Size map)
+{
+  return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
+}
+
 /// Gaussian, with nothing outside.
 void
 EventMap::blur(cv::Mat &map)
 {
-  const double sigma = std::max(0.5, kBlur * std::max(map.cols, map.rows));
-  const int reach = static_cast<int>(std::ceil(2.5 * sigma));
+  const double sigma = blur_sigma(map.size());
+  const int reach = EventMap::reach(map.size());
   if (sigma != sigma_) {
     sigma_ = sigma;
     weights_.clear();

@@ -46,6 +46,9 @@ public:
   /// The map of an event that is over is below the floor after so long, in frames at 30 fps.
   static constexpr int kHold = 25;
 
+  /// How far an event reaches beyond what moves, in samples of a map of that size.
+  static int reach(cv::Size map);
+
 private:
   struct Picture
   {

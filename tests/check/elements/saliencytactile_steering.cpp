@@ -177,7 +177,7 @@ GST_START_TEST(test_face_detector)
     Analysis analysis(line, kCaps);
     // Both appear and move along the diagonal, so both are felt to the end, and alike.
     for (guint i = 0; i < 30; i++) {
-      const int way = static_cast<int>(i) - 12;
+      const int way = 2 * (static_cast<int>(i) - 20);
       g_autoptr(GstBuffer) out
           = analysis.pass(frame(i, i < 12 ? Paint(nothing) : Paint(two_faces(way))));
       if (i >= 12)
