@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""docs/design/where.md names the file of each property, message, driver, format and program: nothing is missing, nothing is stale, the
-files exist, and the file that declares a name contains it. Properties are those of docs/elements, which the test "elements" compares with
-the plugins.
+"""docs/design/where.md names the file of each property, message, driver, format, program, environment variable, name on the session bus and
+meta: nothing is missing, nothing is stale, the files exist, and the file that declares a name contains it. Properties are those of
+docs/elements, which the test "elements" compares with the plugins.
 Usage: where.py ROOT"""
 
 import pathlib
@@ -42,11 +42,13 @@ def section_of(text, title):
 
 
 properties = {f"{file.stem} {name}" for file in (root / "docs/elements").glob("*.md") for name in re.findall(r"^- `([\w-]+)` \(", section_of(file.read_text(), "Properties"), re.M)}
+declared = [(names(row[0]), names(row[1])[0]) for row in rows("Properties") if len(row) == 2]
 listed = set()
-for elements, of_element, declared, effect in rows("Properties"):
+for elements, of_element, effect in (row for row in rows("Properties") if len(row) == 3):
     listed |= {f"{element} {name}" for element in names(elements) for name in names(of_element)}
-    text = "".join(source(file) for file in names(declared))
-    wrong += [f"{declared} does not declare {name}" for name in names(of_element) if f'"{name}"' not in text]
+    for element in names(elements):
+        text = "".join(source(file) for elements_of_file, file in declared if element in elements_of_file)
+        wrong += [f"no file of {element} declares {name}" for name in names(of_element) if f'"{name}"' not in text]
     for file in names(effect):
         source(file)
 compare("property", properties, listed)
@@ -73,6 +75,20 @@ programs = {folder.name for folder in (root / "tools").iterdir() if (folder / "m
 compare("program", programs, {name for row in rows("Programs") for name in names(row[0])})
 for row in rows("Programs"):
     wrong += [f"there is no {name}" for name in names(row[1]) if not (root / name).exists()]
+
+# Names of the program's surroundings, each with the file that uses it.
+code = {file: file.read_text() for folder in ("lib", "gst", "tools") for suffix in ("*.cpp", "*.h") for file in sorted((root / folder).rglob(suffix))}
+for title, pattern in (("Environment variables", r'getenv\("(VISUOTACTILE_\w+)"'), ("Programs on the session bus", r'"(org\.visuotactile\.\w+)"'),
+                       ("Metas and caps", r'= "(Visuotactile\w+Meta)"|^typedef struct _(Gst\w+Meta) |_MEDIA_TYPE "([\w/-]+)"')):
+    found = {name for text in code.values() for match in re.finditer(pattern, text, re.M) for name in match.groups() if name}
+    if not found:
+        wrong.append(f"{title}: nothing found in the sources")
+    table = rows(title)
+    compare(title, found, {name for row in table for name in names(row[0])} - {"VISUOTACTILE_", "VISUOTACTILE_MUTE"})
+    for row in table:
+        file = root / names(row[-1])[0]
+        text = "".join(part.read_text() for part in (file.iterdir() if file.is_dir() else [file]) if part.suffix in (".cpp", ".h"))
+        wrong += [f"{names(row[-1])[0]} does not contain {name}" for name in names(row[0]) if name != "VISUOTACTILE_MUTE" and name not in text]
 
 print(*wrong, f"{len(properties)} properties, {len(structures)} structures, {len(programs)} programs, {len(wrong)} wrong", sep="\n")
 sys.exit(bool(wrong) or len(properties) < 80)
