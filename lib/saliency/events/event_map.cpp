@@ -14,8 +14,8 @@ constexpr float kMost = 31;           ///< ΔE of a sample: an event is larger, 
 constexpr double kSmoothing = 3;      ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;   ///< the same of the energy
 constexpr double kBlur = 0.0375;      ///< σ in widths of the picture
-// What appears and stands is held for so long, in frames at 30 fps, more weakly toward the end, while
-// nothing else is as strong as this in ΔE.
+// A thing that appears and stands is held for so long, in frames at 30 fps, more weakly toward the
+// end, while nothing else is as strong as this in ΔE.
 constexpr double kHeld = 15;
 constexpr double kFades = 0.8; ///< share of the weight that is gone at the end
 constexpr float kAlone = 1.6F;
@@ -181,8 +181,8 @@ EventMap::compare(const Look &look, const Picture &then, const Similarity &befor
   blur(map);
 }
 
-/// A thing that appears is an event for half a second, as long as it stays, before a camera at rest.
-/// All that moves has precedence.
+/// A thing that appears is an event for half a second, as long as it stays, before a camera at
+/// rest. All that moves has precedence.
 void
 EventMap::hold_onsets(const Look &look)
 {

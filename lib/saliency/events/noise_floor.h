@@ -18,8 +18,8 @@ class NoiseFloor
 {
 public:
   /// Lowers `map` (CV_32FC1, ≥ 0), the events `elapsed` frames at 30 fps after the last ones, by
-  /// seven times the floor, at most by 14. From a floor of 7 on it is lowered less, from 8 on not at
-  /// all: so much is an event. Nothing is lowered in the first seconds.
+  /// seven times the floor, at most by 14. From a floor of 7 on it is lowered less, from 8 on not
+  /// at all: so much is an event. Nothing is lowered in the first seconds.
   void subtract(cv::Mat &map, double elapsed);
 
   /// Drops the past.

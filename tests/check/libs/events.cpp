@@ -183,9 +183,9 @@ contrast(double value = 0)
 GST_START_TEST(test_step)
 {
   // A fifth of the picture becomes lighter by 20: there the energy is 20 less the noise, E. For two
-  // frames the picture before is the older one of the lag. Then the onset is held at rest, until the
-  // older one of half a second is from after it, too. The map is half of that and half its mean with
-  // a half-life of three frames.
+  // frames the picture before is the older one of the lag. Then the onset is held, until the older
+  // one of half a second is from after it, too. The map is half of that and half its mean with a
+  // half-life of three frames.
   EventMap events;
   const cv::Mat still = contrast(10);
   const LabImage before = picture([](double, double) { return 40.0; });
