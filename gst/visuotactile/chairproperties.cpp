@@ -54,7 +54,7 @@ ChairProperties::ChairProperties(GstElement *owner, std::vector<GstElement *> el
 chair::Settings
 ChairProperties::open()
 {
-  // Before the first reading: a change between the two is heard.
+  // Before the first reading, so that no change is missed.
   watch_ = std::make_unique<chair::SettingsWatch>([this] {
     const chair::Settings settings = chair::read_settings();
     complain(settings);

@@ -26,12 +26,12 @@ using tactile::TactileMap;
 
 namespace {
 
-/// Maps wait until so much of the film is behind them: an impact that is heard before its picture
-/// is felt where it will be seen. In a live stream its sound is known by then, too. Three frames
-/// of 30 a second.
+/// Maps wait until so much of the film is behind them: an impact that sounds before its picture is
+/// felt where it will be seen. In a live stream its sound is known by then, too. Three frames of
+/// 30 a second.
 constexpr GstClockTime kLookAhead = 95 * GST_MSECOND;
 
-/// Of a film that does not tell its rate: of 24 frames a second.
+/// Frame duration if the caps have no framerate: 1/24 s.
 constexpr GstClockTime kUsualFrame = 42 * GST_MSECOND;
 
 struct Settings
@@ -79,7 +79,7 @@ static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
 static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
     "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/// The sound that joins, and how.
+/// The sound that joins, and its mix.
 struct Joined
 {
   std::shared_ptr<fusion::SoundMaps> maps;
@@ -143,7 +143,7 @@ read_map(GstSoundJoin *self, GstBuffer *buffer)
   return map;
 }
 
-/// The first that is held and not silent.
+/// The first held map that is not silent.
 static std::optional<TactileMap>
 next_place(GstSoundJoin *self)
 {
@@ -192,7 +192,7 @@ pass(GstSoundJoin *self, GstBuffer *buffer)
   self->priv->interrupted |= GST_BUFFER_IS_DISCONT(buffer);
   if (!joined(self))
     return push(self, buffer);
-  // What is wrong with a map is tactorsink's error.
+  // tactorsink posts the error of a faulty map.
   const std::optional<TactileMap> picture = read_map(self, buffer);
   if (!picture || !fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), *picture, &flow))
     return push(self, buffer);
@@ -241,8 +241,8 @@ pass_event(GstSoundJoin *self, GstEvent *event)
 
 /* ---- a live source ---- */
 
-/// Whole frames that wait. By so much the maps of a live source are later. Of long frames they are
-/// as many as are in the time.
+/// Duration of the whole frames that wait, by which the maps of a live source are late. If frames
+/// are long, only whole ones within the time wait.
 static GstClockTime
 look_ahead(GstSoundJoin *self)
 {

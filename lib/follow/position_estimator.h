@@ -9,7 +9,8 @@
 
 namespace follow {
 
-/// Where a player's film is now, from reports that are late, rounded, jittery and sometimes wrong.
+/// Estimates the position of a player's film from reports that are late, rounded, jittery and
+/// sometimes wrong.
 ///
 /// A report that does not fit what is known is a leap, or wrong: the position is unknown until the
 /// next report says which, except after reports that say so themselves (Report::sought, another
@@ -27,13 +28,13 @@ public:
     Time most_error = std::chrono::milliseconds(120);
   };
 
-  /// What is known at a moment.
+  /// The position at a moment.
   struct Estimate
   {
     Time position{ 0 }; ///< film time
-    Time error{ 0 };    ///< what it may be off by
+    Time error{ 0 };    ///< the largest one
     double rate = 1;    ///< film seconds a second; 0: the film stands still
-    /// Another number after each leap and change of rate: the film goes on elsewhere.
+    /// Another number after each leap and change of rate, where the film continues elsewhere.
     std::uint64_t stretch = 0;
   };
 
@@ -41,11 +42,11 @@ public:
   static constexpr Time kLongestFilm = std::chrono::hours(100);
   static constexpr double kLeastRate = 1.0 / 16;
   static constexpr double kMostRate = 16;
-  /// Of the rate, by which the position nears what is better known.
+  /// Share of the rate by which the position nears a better estimate.
   static constexpr double kMostCorrection = 0.2;
   /// A report off by less is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
-  /// A seek by less only puts the position right: the stretch goes on.
+  /// A seek by less only corrects the position: the stretch continues.
   static constexpr Time kPutRight = std::chrono::milliseconds(50);
 
   PositionEstimator() = default;
@@ -57,14 +58,15 @@ public:
   /// At a local time not before the last report; none: unknown.
   std::optional<Estimate> at(Time now) const;
 
-  /// Until when at() is known if nothing more is reported; none: it is not, or the film stands.
+  /// End of the time for which at() is known without further reports; none: unknown, or the film
+  /// stands.
   std::optional<Time> known_until() const;
 
-  /// Whether the next report decides something, so that asking at once helps.
+  /// Whether the next report decides something, so that a query at once helps.
   bool asks_again() const;
 
 private:
-  /// Where what at() tells went on at the last report.
+  /// The position of at() at the last report.
   struct Anchor
   {
     Time at{ 0 };
@@ -92,8 +94,8 @@ private:
   std::uint64_t stretch_ = 0;
   Time last_{ 0 };  ///< local time of the last report with a position
   Time alive_{ 0 }; ///< of the last one with a position, or that the film plays on
-  std::optional<Time> last_position_{}; ///< as told
-  Time last_change_{ 0 };               ///< local time at which that was told first
+  std::optional<Time> last_position_{}; ///< as reported
+  Time last_change_{ 0 };               ///< local time of its first report
   std::deque<Time> spans_;              ///< between those
 };
 

@@ -408,7 +408,7 @@ GST_START_TEST(test_refusals)
   const DriverError error = rig.refusal(vest.device("vest-back"), 21);
   fail_unless(error.kind == Kind::settings);
   assert_contains(error.text, { "mapping needs 21 tactors", "it has 20" });
-  // Nothing is taken unasked.
+  // Only named devices are used.
   HapticServer intiface({ "buttplug4" });
   Rig unnamed(make_intiface_server);
   assert_contains(unnamed.refusal("@127.0.0.1:" + intiface.port()).text,

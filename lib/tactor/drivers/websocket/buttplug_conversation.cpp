@@ -156,7 +156,7 @@ ButtplugConversation::take(const buttplug::Error &error, Time now)
   for (Taken &taken : taken_) {
     if (std::ranges::find(taken.unanswered, error.id) == taken.unanswered.end())
       continue;
-    // What it does now is not known: it is told again, zeros, too.
+    // Its state is unknown: all levels are sent again, zeros, too.
     std::ranges::fill(taken.sent, kUnknown);
     if (++taken.errors >= kMostErrors && state() == State::playing) {
       lose(taken, text);
@@ -238,7 +238,7 @@ ButtplugConversation::choose(const std::vector<buttplug::Device> &devices, Time 
   stop_all(now);
 }
 
-/// The reply to a message came. Those that were done tell the latency.
+/// The reply to a message came. Replies of success give the latency.
 void
 ButtplugConversation::answered(Id id, bool is_done, Time now)
 {
