@@ -152,6 +152,13 @@ read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
   return TRUE;
 }
 
+/* Of a GAP event for lost data. */
+static bool
+is_lost(GstBuffer *gap)
+{
+  return gst_buffer_get_custom_meta(gap, "GstAggregatorMissingDataMeta") != nullptr;
+}
+
 /* Advances the track to `time`. NEED_DATA if that is not known yet. */
 static GstFlowReturn
 advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
@@ -173,7 +180,7 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
       return GST_FLOW_OK;
     }
     // Lost on the way: the map before it holds.
-    if (running && gst_buffer_get_custom_meta(head, "GstAggregatorMissingDataMeta") != nullptr) {
+    if (running && is_lost(head)) {
       if (priv->held && priv->held->end && GST_BUFFER_DURATION_IS_VALID(head))
         priv->held->end = *running + offset + static_cast<gint64>(GST_BUFFER_DURATION(head));
       gst_buffer_unref(head);
@@ -277,6 +284,27 @@ end_film(GstTactileCombiner *self)
   return is_over ? GST_FLOW_EOS : GST_AGGREGATOR_FLOW_NEED_DATA; /* once they are answered */
 }
 
+/* What GstAggregator makes of a GAP event of the film: a buffer without data. */
+static bool
+is_gap(GstBuffer *frame)
+{
+  return GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(frame) == 0;
+}
+
+/* Makes a GAP event of it again, behind what GstAggregator sends before it. */
+static GstPadProbeReturn
+pass_gap(GstPad *pad, GstPadProbeInfo *info, gpointer)
+{
+  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+  if (!is_gap(frame))
+    return GST_PAD_PROBE_OK;
+  GstEvent *gap = gst_event_new_gap(GST_BUFFER_PTS(frame), GST_BUFFER_DURATION(frame));
+  if (is_lost(frame))
+    gst_event_set_gap_flags(gap, GST_GAP_FLAG_MISSING_DATA);
+  gst_pad_push_event(pad, gap);
+  return GST_PAD_PROBE_DROP;
+}
+
 static GstFlowReturn
 gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
 {
@@ -303,7 +331,7 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     return GST_AGGREGATOR_FLOW_NEED_DATA;
   }
   /* A track without any caps has no grid. */
-  if (track != nullptr && time && self->priv->rows > 0) {
+  if (track != nullptr && time && self->priv->rows > 0 && !is_gap(frame)) {
     frame = writable_frame(frame);
     put_map(self, frame, *time);
   }
@@ -568,4 +596,6 @@ gst_tactile_combiner_init(GstTactileCombiner *self)
                                         GST_PAD_SINK, "template", templ, nullptr));
   gst_object_unref(templ);
   gst_element_add_pad(GST_ELEMENT(self), GST_PAD(self->videopad));
+  gst_pad_add_probe(GST_AGGREGATOR_SRC_PAD(self), GST_PAD_PROBE_TYPE_BUFFER, pass_gap, nullptr,
+                    nullptr);
 }

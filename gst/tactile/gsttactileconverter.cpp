@@ -377,6 +377,9 @@ gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     g_autoptr(GstBuffer) packet = priv->in ? cue_gap_get_packet(event) : nullptr;
     if (packet) {
       convert(self, packet, CueForm::klv);
+    } else if (priv->in && priv->in == priv->out) { /* as it is */
+      send_default_sticky_events(self);
+      return gst_pad_push_event(self->srcpad, event);
     } else {
       drain(self);
       if (GST_CLOCK_TIME_IS_VALID(duration))

@@ -42,6 +42,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_klv_dec_debug);
 #define GST_CAT_DEFAULT tactile_klv_dec_debug
@@ -50,7 +51,10 @@ struct _GstTactileKlvDec
 {
   GstElement parent;
   GstPad *srcpad;
-  CueForm form; /* streaming thread */
+
+  /* Streaming thread. */
+  CueForm form;
+  bool interrupted; ///< the next words do not follow the last ones
 };
 
 G_DEFINE_TYPE_WITH_CODE(GstTactileKlvDec, gst_tactile_klv_dec, GST_TYPE_ELEMENT,
@@ -94,14 +98,18 @@ gst_tactile_klv_dec_chain(GstPad *pad, GstObject *parent, GstBuffer *packet)
   auto *self = GST_TACTILE_KLV_DEC(parent);
   g_autoptr(GstBuffer) owned = packet;
   const GstClockTime pts = GST_BUFFER_PTS(packet);
+  self->interrupted |= GST_BUFFER_IS_DISCONT(packet);
   if (!GST_CLOCK_TIME_IS_VALID(pts))
     return GST_FLOW_OK;
   auto cue = cue_from_buffer(packet, self->form, std::nullopt);
   if (!cue) {
     GST_DEBUG_OBJECT(self, "packet at %" GST_TIME_FORMAT " is no map: %s", GST_TIME_ARGS(pts),
                      cue.error().text().c_str());
-    if (GstBuffer *words = words_new(packet, self->form))
+    if (GstBuffer *words = words_new(packet, self->form)) {
+      if (std::exchange(self->interrupted, false))
+        GST_BUFFER_FLAG_SET(words, GST_BUFFER_FLAG_DISCONT);
       return gst_pad_push(self->srcpad, words);
+    }
     gst_pad_push_event(self->srcpad, gst_event_new_gap(pts, GST_CLOCK_TIME_NONE));
   } else if (self->form == CueForm::klv) {
     gst_pad_push_event(self->srcpad, cue_gap_new(packet));
@@ -120,6 +128,8 @@ static gboolean
 gst_tactile_klv_dec_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
 {
   auto *self = GST_TACTILE_KLV_DEC(parent);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP || GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT)
+    self->interrupted = true;
   if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
     return gst_pad_event_default(pad, parent, event);
   GstCaps *of = nullptr;

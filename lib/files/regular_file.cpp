@@ -106,6 +106,16 @@ expect_regular(const File &file)
   return expect_kind(file, false);
 }
 
+tl::expected<void, Error>
+expect_regular(const std::string &path)
+{
+  struct stat status
+  {
+  };
+  return stat(path.c_str(), &status) == 0 ? expect_kind(status, false)
+                                          : tl::expected<void, Error>{};
+}
+
 tl::expected<std::string, Error>
 read(const File &file, std::size_t most)
 {

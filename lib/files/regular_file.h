@@ -57,8 +57,9 @@ struct Error
 /// Opens a regular file for reading.
 tl::expected<File, Error> open_regular(const std::string &path);
 
-/// An error for anything else than a regular file.
+/// An error for anything else than a regular file; none where there is nothing of that name.
 tl::expected<void, Error> expect_regular(const File &file);
+tl::expected<void, Error> expect_regular(const std::string &path);
 
 /// The content of a regular file from its beginning; an error if it exceeds `most` bytes.
 tl::expected<std::string, Error> read(const File &file, std::size_t most);

@@ -41,6 +41,8 @@ sync_folder(const std::string &path)
 tl::expected<bool, Error>
 replace(const File &part, const std::string &part_path, const std::string &path)
 {
+  if (const auto expected = expect_regular(path); !expected)
+    return tl::unexpected(expected.error());
   struct stat before
   {
   };

@@ -33,7 +33,7 @@ refuses_film() {
 
 folder_in_the_way() {
   mkdir -p p/strip.png
-  refuses 1 "strip.png' is a folder" -o p "$work/film.mkv"
+  refuses 1 "strip.png': expected a regular file, got a folder" -o p "$work/film.mkv"
   expect_only p strip.png
 }
 

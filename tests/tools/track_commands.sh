@@ -508,6 +508,16 @@ pipes() {
   play author pipe.mkv -o none.vtt
   expect_status 1
   expect_line err 'is a pipe or a device'
+  # Nor are they replaced.
+  mkfifo pipe.png
+  for command in "convert $work/good.vtt -o pipe.vtt" "edit $work/good.vtt -o pipe.vtt --shift=1" "plot $work/good.vtt -o pipe.png" \
+    "preview $work/film.mkv $work/good.vtt -o pipe.mkv" "mux $work/film.mkv $work/good.vtt -o pipe.mkv"; do
+    # shellcheck disable=SC2086
+    play $command
+    expect_status 1
+    expect_line err 'got a pipe'
+  done
+  [ -p pipe.vtt ] && [ -p pipe.mkv ] && [ -p pipe.png ] || fail "a pipe is gone: $(ls -l)"
 }
 
 # Edits of the text itself: a cue deleted, a cue moved.

@@ -52,11 +52,10 @@ Output::Output(const fs::path &directory, const std::string &name)
       part_(final_.parent_path()
             / (part_stem(final_.filename()) + std::to_string(getpid()) + std::string(kEnding)))
 {
-  std::error_code error;
   remove_stale_parts(final_.parent_path(), part_stem(final_.filename()));
-  if (fs::is_directory(final_, error))
-    throw std::runtime_error("'" + final_.string()
-                             + "' is a folder; move it away or give another --output");
+  if (const auto expected = files::expect_regular(final_.string()); !expected)
+    throw std::runtime_error("'" + final_.string() + "': " + expected.error().reason
+                             + "; move it away or give another --output");
 }
 
 Output::~Output()

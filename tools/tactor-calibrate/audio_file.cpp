@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "audio_file.h"
 
+#include "files/regular_file.h"
 #include "film/or_throw.h"
 #include "film/pipeline.h"
 
@@ -179,6 +180,9 @@ read_recording(const std::string &path, GstClockTime patience)
 {
   if (path.ends_with(".csv") || path.ends_with(".txt"))
     return or_throw(tactor::read_csv_recording(path));
+  // filesrc would wait for a pipe's writer.
+  if (const auto expected = files::expect_regular(path); !expected)
+    throw std::runtime_error("'" + path + "': " + expected.error().reason);
   AudioCollector heard;
   const Pipeline pipeline
       = make_pipeline("filesrc name=file ! decodebin name=decoder ! " + recording_branch());

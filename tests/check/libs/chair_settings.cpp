@@ -77,6 +77,21 @@ GST_START_TEST(program_beats_all_and_environment_beats_both)
 }
 GST_END_TEST
 
+/// Names of files are bytes: no UTF-8, and a backslash, which key files escape.
+GST_START_TEST(a_path_of_any_bytes)
+{
+  const SettingsHome home;
+  const std::string path = "/na\xefve\\motors";
+  auto file = SettingsFile::load();
+  fail_unless(file.has_value());
+  file->set("chair", "calibration", path);
+  fail_unless(file->save().has_value());
+  const Settings settings = read_settings();
+  fail_unless(settings.complaints.empty(), "%s", settings.complaints.front().c_str());
+  fail_unless(settings.values == Values{ { "calibration", path } });
+}
+GST_END_TEST
+
 GST_START_TEST(a_program_is_found_by_its_executable_too)
 {
   const SettingsHome home;
@@ -247,6 +262,7 @@ chair_settings_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, nothing_is_set_without_a_file);
   tcase_add_test(tests, program_beats_all_and_environment_beats_both);
+  tcase_add_test(tests, a_path_of_any_bytes);
   tcase_add_test(tests, a_program_is_found_by_its_executable_too);
   tcase_add_test(tests, others_that_are_on_are_known);
   tcase_add_test(tests, wrong_values_are_told_and_the_others_kept);

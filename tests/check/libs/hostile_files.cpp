@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <string>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "hostile.h"
@@ -96,6 +97,16 @@ GST_START_TEST(test_files_of_two_gigabytes)
   fail_if(is_read(read_command_trace(path)));
   std::filesystem::rename(path, folder.file("session.ini"));
   fail_if(is_read([&] { Session::open(folder.path); }));
+}
+GST_END_TEST;
+
+/// Nobody writes to it.
+GST_START_TEST(test_pipe)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder.file("pipe.wav");
+  fail_unless(mkfifo(path.c_str(), 0600) == 0);
+  fail_if(is_read([&] { read_recording(path); }));
 }
 GST_END_TEST;
 
@@ -272,6 +283,7 @@ hostile_files_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_files_of_two_gigabytes);
+  tcase_add_test(cases, test_pipe);
   tcase_add_test(cases, test_calibrations);
   tcase_add_test(cases, test_recordings_as_csv);
   tcase_add_test(cases, test_recordings_as_wav);

@@ -3,6 +3,7 @@
 // What has the name of a file and is none: nothing waits for it, and a word says what it is. A test
 // that hangs fails by its time limit.
 #include "files/regular_file.h"
+#include "files/replace.h"
 
 #include "calibration/calibration.h"
 #include "chair/settings_file.h"
@@ -134,6 +135,21 @@ GST_START_TEST(test_whoever_opens)
 }
 GST_END_TEST;
 
+/// What is no file is not replaced by one.
+GST_START_TEST(test_replace)
+{
+  const TemporaryFolder folder;
+  const std::string pipe = folder.file("pipe");
+  fail_unless(mkfifo(pipe.c_str(), 0600) == 0);
+  const std::string part = folder.file("part");
+  const auto file = files::create(part);
+  fail_unless(file.has_value());
+  assert_says(reason_of(files::replace(*file, part, pipe)), "got a pipe");
+  fail_unless(fs::is_fifo(pipe) && fs::is_regular_file(part));
+  fail_unless(files::replace(*file, part, folder.file("new")).has_value());
+}
+GST_END_TEST;
+
 static Suite *
 regular_file_suite()
 {
@@ -143,6 +159,7 @@ regular_file_suite()
   tcase_add_test(tests, test_kinds);
   tcase_add_test(tests, test_own_output);
   tcase_add_test(tests, test_whoever_opens);
+  tcase_add_test(tests, test_replace);
   return suite;
 }
 
