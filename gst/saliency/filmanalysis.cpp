@@ -25,6 +25,7 @@ make_mapping(const SaliencySettings &settings)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
   mapping.floor /= settings.sensitivity;
   mapping.units_per_delta_e /= settings.sensitivity;
+  mapping.sensitivity = settings.sensitivity;
   return mapping;
 }
 
@@ -203,12 +204,15 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   const cv::Mat &saliency = weigh(settings, frame, placement, mapping->view(), found, time);
   const cv::Rect2d shown = rectangle_of(*read, *mapping, found.picture);
   tactile::MappingSettings how = make_mapping(settings);
-  const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
-                                    .width = saliency.cols,
-                                    .height = saliency.rows,
-                                    .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
-                                    .horizontal = { shown.x, shown.width },
-                                    .vertical = { shown.y, shown.height } };
+  tactile::SaliencyView view{ .values = saliency.ptr<float>(),
+                              .width = saliency.cols,
+                              .height = saliency.rows,
+                              .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
+                              .horizontal = { shown.x, shown.width },
+                              .vertical = { shown.y, shown.height },
+                              .strength = found.strength };
+  if (found.peak > 0) // weights of regions and people change how strong the strongest is
+    view.strength *= view.peak() / found.peak;
   how.floor = density_.follow(view, how.floor, settings.density, time);
   tactile::Viewport viewport;
   if (settings.viewport == ViewportMode::adaptive)

@@ -75,7 +75,7 @@ constexpr P kProperties[] = {
                      kControllable, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }),
   P::number<gdouble>("center-weight",
                      "How much the picture's center counts more than its corners (-1 = the "
-                     "profile's: 0, with temporal=false 0.7)",
+                     "profile's: 0.4, with temporal=false 0.7, with profile=paper 0)",
                      kControllable, PROPERTY_FIELD(center_weight),
                      P::Range{ SaliencySettings::kProfiles, 1 }),
   P::number<gdouble>(
@@ -117,10 +117,8 @@ constexpr P kProperties[] = {
   P::number<guint>("n-threads",
                    "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,
                    PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
-  P::flag("exact",
-          "Take every pixel's color, as for frames of up to 800 x 600: better maps, several times "
-          "the cost",
-          kPlaying, PROPERTY_FIELD(exact)),
+  P::flag("exact", "Take every pixel's color: hardly better maps, several times the cost", kPlaying,
+          PROPERTY_FIELD(exact)),
   P::stats("stats",
            "Frames passed, analyzed and active (any level above 0); faces in the last frame; times "
            "of analyses and of looks for faces in ns; how frames are read (mapped, gl, element, "

@@ -114,13 +114,6 @@ decimation_level(cv::Size frame, int level)
   return decimated;
 }
 
-int
-conversion_level(cv::Size frame, int level)
-{
-  constexpr int kOfEveryPixel = 480'000;
-  return samples(frame, 0) <= kOfEveryPixel ? 0 : decimation_level(frame, level);
-}
-
 std::string_view
 fault_of(const FrameView &frame)
 {

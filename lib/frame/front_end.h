@@ -16,14 +16,10 @@
 
 namespace saliency {
 
-/// The first level of at most 150,000 samples, or `level` if that comes first.
-int decimation_level(cv::Size frame, int level);
-
 /// The level at which L*a*b* is computed for an image at `level`, unless the exact map is asked
-/// for. Converting at an early level is more accurate, converting at a late one is faster. Frames
-/// of up to 480,000 pixels (800×600) take less than a millisecond and are converted at level 0.
-/// Larger ones are converted at decimation_level().
-int conversion_level(cv::Size frame, int level);
+/// for: the first of at most 150,000 samples, or `level` if that is first. Converting at an early
+/// level is more accurate, converting at a late one is faster.
+int decimation_level(cv::Size frame, int level);
 
 /// Why `frame` is invalid: size, data, depth, matrix or strides. Empty if it is valid.
 std::string_view fault_of(const FrameView &frame);

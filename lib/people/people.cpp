@@ -23,8 +23,8 @@ struct Weights
   float clear; ///< a maximum up to which faces raise the map, in its units
 };
 
-/// The map of films has 0.065 units per ΔE of an event: a clear one is 20.
-constexpr Weights kFilm{ .face = 30, .noise = 0.1F, .talk = 3, .width = 0.45F, .clear = 1.3F };
+/// The map of films has 0.13 units per ΔE of a small event: a clear one is 13.
+constexpr Weights kFilm{ .face = 30, .noise = 0.13F, .talk = 4, .width = 0.45F, .clear = 1.7F };
 constexpr Weights kStill{ .face = 9, .noise = 0, .talk = 0, .width = 0.315F, .clear = 0 };
 
 /// In a single picture, skin says whether it is a face.

@@ -3,10 +3,8 @@
 
 #include "frame/front_end.h"
 #include "saliency/camera_motion.h"
-#include "saliency/gradual_transition.h"
-#include "saliency/habituation.h"
-#include "saliency/independent_motion.h"
-#include "saliency/noise_floor.h"
+#include "saliency/events/event_map.h"
+#include "saliency/events/strength.h"
 #include "saliency/pyramid.h"
 #include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"
@@ -28,6 +26,9 @@ namespace {
 
 constexpr double kFramesPerNanosecond = 30e-9;
 constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
+
+/// A film that pauses for longer, in frames at 30 fps, begins anew.
+constexpr double kLongestGap = 64;
 
 int
 longest_window(const Profile &profile)
@@ -63,9 +64,8 @@ frames_between(Time from, Time to)
 struct Analyzer::State
 {
   explicit State(const Profile &profile_)
-      : profile(profile_), longest(longest_window(profile)), spatial(profile),
-        history(longest, profile.history_start), spatiotemporal(profile), shot_cut(profile),
-        habituation(profile)
+      : profile(profile_), spatial(profile), history(longest_window(profile)),
+        spatiotemporal(profile), shot_cut(profile)
   {
   }
 
@@ -73,9 +73,8 @@ struct Analyzer::State
   void forget();
   Similarity camera_pose(double elapsed);
   const cv::Mat &spatial_map();
-  const cv::Mat &spatiotemporal_map(Time time, Time duration);
-  void settle(const cv::Mat &map, double elapsed);
-  void discount(cv::Mat &map, const Similarity &pose, double elapsed);
+  const cv::Mat &spatiotemporal_map();
+  const cv::Mat &event_map(Time time);
   const Saliency &finish(Time time, Time duration, bool temporal);
   void done(Stage stage, const cv::Mat &map = {}) const
   {
@@ -84,7 +83,6 @@ struct Analyzer::State
   }
 
   Profile profile;
-  double longest; ///< longest window, in frames
   FrontEnd front_end;
   Team team; ///< threads of the current frame
   Pyramid pyramid;
@@ -93,10 +91,8 @@ struct Analyzer::State
   SpatiotemporalSaliency spatiotemporal;
   ShotCut shot_cut;
   CameraMotion camera;
-  GradualTransition transition;
-  Habituation habituation;
-  IndependentMotion independent;
-  NoiseFloor noise;
+  EventMap events;
+  Strength strength;
 
   struct Previous
   {
@@ -123,13 +119,14 @@ Analyzer::State::follow(cv::Size size, Time time, bool temporal)
   if (previous && time <= previous->time)
     previous.reset();
   // After a gap it is unknown what was visible, unlike after a frame that was displayed for long.
-  if (previous && profile.time_base == TimeBase::seconds
+  if (previous && profile.temporal == Temporal::events
       && frames_between(previous->time, time)
-             > longest + frames_between(Time{}, previous->duration))
+             > kLongestGap + frames_between(Time{}, previous->duration))
     previous.reset();
   if (!previous) {
     forget();
     shot_cut.reset();
+    strength.reset();
   }
 }
 
@@ -138,21 +135,20 @@ Analyzer::State::forget()
 {
   history.reset();
   camera.reset();
-  transition.reset();
-  habituation.reset();
-  noise.reset();
-  independent.reset();
+  events.reset();
 }
 
-/// The camera's pose in samples of the saliency map.
+/// The camera's pose in samples of levels.camera.
 Similarity
 Analyzer::State::camera_pose(double elapsed)
 {
-  if (!profile.camera_motion)
-    return {};
-  const int level = levels.camera;
-  return camera.follow(pyramid.level(level).lightness(), elapsed)
-      .in_units_of(std::ldexp(1.0, levels.saliency - level));
+  const Similarity pose = camera.follow(pyramid.level(levels.camera).lightness(), elapsed);
+  if (!is_far(pose))
+    return pose;
+  camera.rebase();
+  events.rebase(pose.inverse());
+  last_pose = pose.inverse() * last_pose;
+  return {};
 }
 
 /// The spatial saliency of the frame in `pyramid`.
@@ -164,48 +160,24 @@ Analyzer::State::spatial_map()
   return map;
 }
 
-/// Takes from the history what is no event: gradual transitions, and what stands still.
-void
-Analyzer::State::settle(const cv::Mat &map, double elapsed)
-{
-  if (history.moved()) {
-    transition.reset();
-    habituation.reset();
-    return;
-  }
-  if (profile.transition_guard)
-    if (const cv::Mat &follows = transition(pyramid.level(levels.saliency), elapsed);
-        !follows.empty())
-      history.settle(follows);
-  if (std::isfinite(profile.habituation_after))
-    if (const cv::Mat &share = habituation.settled(map, elapsed); !share.empty())
-      history.settle(share);
-}
-
-/// Takes from the spatiotemporal map what is no event: what the camera's travel explains, and what
-/// happens all the time.
-void
-Analyzer::State::discount(cv::Mat &map, const Similarity &pose, double elapsed)
-{
-  const bool moved = history.moved();
-  if (profile.camera_gate) {
-    const int level = levels.camera;
-    const Similarity now = pose.in_units_of(std::ldexp(1.0, level - levels.saliency));
-    if (moved)
-      cv::multiply(map, independent(pyramid.level(level), now, elapsed, levels.saliency - level),
-                   map);
-    else
-      independent.reset();
-  }
-  if (moved) // a place of the picture shows now this, now that
-    noise.reset();
-  else if (profile.noise_gain > 0)
-    noise.subtract(map, elapsed, profile.noise_gain);
-}
-
-/// The map of the frame in `pyramid`, which is added to the history.
+/// The paper's map of the frame in `pyramid`, which is added to the history.
 const cv::Mat &
-Analyzer::State::spatiotemporal_map(Time time, Time duration)
+Analyzer::State::spatiotemporal_map()
+{
+  done(Stage::camera);
+  if (profile.cut_share < 1 && shot_cut(pyramid.level(levels.saliency))) {
+    forget();
+    result.cut = true;
+  }
+  done(Stage::shot_cut);
+  history.push(spatial_map());
+  done(Stage::history);
+  return spatiotemporal.compute(history, team);
+}
+
+/// The events of the frame in `pyramid`.
+const cv::Mat &
+Analyzer::State::event_map(Time time)
 {
   double elapsed = previous ? frames_between(previous->time, time) : 0;
   Similarity pose = camera_pose(elapsed);
@@ -218,29 +190,20 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
     result.cut = true;
   }
   done(Stage::shot_cut);
-  const cv::Mat &map = spatial_map();
+  const cv::Mat &contrast = spatial_map();
+  const int octaves = levels.saliency - levels.camera;
   if (elapsed > 0)
-    result.motion = pose.inverse() * last_pose;
-  if (profile.time_base == TimeBase::frames)
-    history.push(map, 1, 1);
-  else {
-    if (is_far(pose)) {
-      camera.rebase();
-      history.rebase(pose.inverse());
-      independent.reset();
-      pose = {};
-    }
-    history.push(map, elapsed, frames_between(Time{}, duration), pose);
-    settle(map, elapsed);
-  }
-  previous = Previous{ time, duration };
+    result.motion = (pose.inverse() * last_pose).in_units_of(std::ldexp(1.0, octaves));
   last_pose = pose;
-  result.camera_moves = history.moved();
+  result.camera_moves = camera.moved();
   done(Stage::history);
-  cv::Mat &saliency = spatiotemporal.compute(history, team);
-  discount(saliency, pose, elapsed);
-  done(Stage::spatiotemporal, saliency);
-  return saliency;
+  const cv::Mat &map = events({ .picture = pyramid.level(levels.camera),
+                                .contrast = contrast,
+                                .octaves = octaves,
+                                .pose = pose,
+                                .elapsed = elapsed });
+  result.strength = strength.follow(events.energy(), elapsed);
+  return map;
 }
 
 /// The result of the frame in `pyramid`.
@@ -252,7 +215,14 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
   result.cut = false;
   result.camera_moves = false;
   result.motion = {};
-  result.map = temporal ? spatiotemporal_map(time, duration) : spatial_map();
+  result.strength = 0;
+  if (!temporal)
+    result.map = spatial_map();
+  else {
+    result.map = profile.temporal == Temporal::events ? event_map(time) : spatiotemporal_map();
+    previous = Previous{ time, duration };
+    done(Stage::spatiotemporal, result.map);
+  }
   cv::minMaxLoc(result.map, nullptr, &result.peak);
   const double step = std::ldexp(1.0, levels.saliency); // pixels per sample
   result.picture = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, levels.frame.width / step,
@@ -281,7 +251,7 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   assert(fault_of(frame).empty());
   s.follow({ frame.width, frame.height }, time, temporal);
   const int converted
-      = s.profile.exact ? 0 : conversion_level({ frame.width, frame.height }, s.levels.finest);
+      = s.profile.exact ? 0 : decimation_level({ frame.width, frame.height }, s.levels.finest);
   const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest, converted);
   s.team = s.front_end.team();
   s.done(Stage::lab);

@@ -23,11 +23,14 @@ struct Saliency
   /// the units of N(·) if the profile normalizes.
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
+  /// How strong the events are, ≥ 0: 1 is as strong as the strongest of the film's last minutes. 0
+  /// if the profile does not tell.
+  double strength = 0;
   /// The picture's rectangle in the map, where sample i covers [i, i + 1). Sample i of level n is
   /// centered on pixel 2ⁿ·i, so the picture's edges are not the map's.
   cv::Rect2d picture;
   bool cut = false;          ///< this frame starts a new shot
-  bool camera_moves = false; ///< within the longest temporal window
+  bool camera_moves = false; ///< since up to 8/30 s ago
   /// The camera's motion: where in `map` is now what was at a sample of the last frame's map.
   Similarity motion;
 };
@@ -64,7 +67,7 @@ public:
   /// duration ≤ 0 is taken as 1/30 s.
   ///
   /// The history is reset first if `time` is not after the last frame's, or if the size differs.
-  /// With windows in seconds it is also reset after a gap longer than the longest window.
+  /// With Temporal::events it is also reset after a gap of more than two seconds.
   ///
   /// If `temporal` is false, the result is the spatial saliency alone, and the next frame starts a
   /// new history.

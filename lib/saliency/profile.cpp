@@ -16,9 +16,6 @@ Profile::paper()
   for (int center = 0; center <= 2; ++center)
     for (int delta = 3; delta <= 4; ++delta)
       profile.windows.push_back({ 1 << center, 1 << (center + delta) });
-  profile.temporal_sign = TemporalSign::absolute;
-  profile.time_base = TimeBase::frames;
-  profile.history_start = HistoryStart::empty;
   profile.temporal_normalization = Normalization::itti;
   return profile;
 }
@@ -32,26 +29,7 @@ Profile::tuned()
   profile.chroma_octaves = 1;
   profile.levels = { { 2, 3 } };
   profile.saliency_level = 4;
-  profile.windows = { { 1, 8 }, { 2, 16 }, { 4, 32 }, { 8, 64 } };
-  profile.temporal_sign = TemporalSign::onset;
-  profile.temporal_mean = true;
-  profile.time_base = TimeBase::seconds;
-  profile.history_start = HistoryStart::filled;
-  profile.illumination_guard = true;
-  profile.camera_motion = true;
-  profile.camera_dilation = 1;
-  profile.camera_margin = 1.15;
-  profile.camera_rim = 2;
-  profile.camera_background = 1;
-  profile.camera_gate = true;
-  profile.habituation_after = 15;
-  profile.habituation_contrast = 0.6;
-  profile.habituation_share = 0.2;
-  profile.transition_guard = true;
-  profile.noise_gain = 7;
-  profile.background_gain = 8;
-  profile.background_quantile = 0.75;
-  profile.background_limit = 3;
+  profile.temporal = Temporal::events;
   profile.cut_share = 0.5;
   profile.cut_contrast = 6;
   return profile;
@@ -66,11 +44,10 @@ Profile::tuned_spatial()
   Profile profile = tuned();
   profile.spatial_cue = SpatialCue::surroundedness; // contrast × rarity: 1.278
   profile.levels = { { 3, 3 } };                    // 4: 1.547; 2: 1.755, three times the time
-  profile.threshold_step = 3;    // 1.5: 1.710; 2: 1.704; 4: 1.685; 5: 1.678; 8: 1.644
-  profile.area_exponent = 0.5;   // 0: 1.525; 0.25: 1.630; 0.6: 1.707; 0.75: 1.700; 1: 1.644
-  profile.saliency_level = 3;    // 4: 1.680; 5: 1.623
-  profile.rarity = true;         // without: 1.644
-  profile.camera_motion = false; // a single picture has none
+  profile.threshold_step = 3;  // 1.5: 1.710; 2: 1.704; 4: 1.685; 5: 1.678; 8: 1.644
+  profile.area_exponent = 0.5; // 0: 1.525; 0.25: 1.630; 0.6: 1.707; 0.75: 1.700; 1: 1.644
+  profile.saliency_level = 3;  // 4: 1.680; 5: 1.623
+  profile.rarity = true;       // without: 1.644
   profile.cut_share = 1;
   return profile;
 }
@@ -78,8 +55,10 @@ Profile::tuned_spatial()
 std::string_view
 fault_of(const Profile &profile)
 {
-  if (profile.levels.empty() || profile.windows.empty())
-    return "a profile has level pairs and window pairs";
+  if (profile.levels.empty())
+    return "a profile has level pairs";
+  if (profile.windows.empty() && profile.temporal == Temporal::windows)
+    return "a profile has window pairs";
   for (const auto &pair : profile.levels)
     if (pair.center < 0 || pair.surround < pair.center)
       return "a surround is a level no finer than its center";
@@ -90,19 +69,9 @@ fault_of(const Profile &profile)
     return "the saliency map's level is at least 0";
   if (profile.chroma_octaves < 0)
     return "chroma is no finer than lightness";
-  if (profile.camera_dilation < 0 || profile.camera_rim < 0)
-    return "a camera's dilation and rim are at least 0 samples";
-  for (const double value :
-       { profile.chroma_weight, profile.camera_margin, profile.background_gain,
-         profile.background_limit, profile.cut_share, profile.cut_contrast,
-         profile.camera_background, profile.habituation_after, profile.habituation_contrast,
-         profile.habituation_share, profile.noise_gain })
+  for (const double value : { profile.chroma_weight, profile.cut_share, profile.cut_contrast })
     if (!(value >= 0))
-      return "weights, gains, shares and limits are at least 0";
-  if (profile.camera_motion && profile.time_base == TimeBase::frames)
-    return "a camera's motion is followed in seconds";
-  if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
-    return "a quantile is between 0 and 1";
+      return "weights and shares are at least 0";
   return {};
 }
 

@@ -132,21 +132,6 @@ keep_between(float low, float high, std::size_t n, float *values)
   return kept;
 }
 
-Gains
-gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
-      float *ratios)
-{
-  Gains found{};
-  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    const auto value = hn::LoadU(d, center + i);
-    const auto base = hn::Add(hn::LoadU(d, surround + i), hn::Set(d, nothing));
-    const auto counts = hn::Gt(value, hn::Set(d, least));
-    found.gained += hn::CountTrue(d, hn::And(counts, hn::Gt(value, base)));
-    found.count += compress(d, hn::Div(value, base), counts, ratios + found.count);
-  });
-  return found;
-}
-
 void
 greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out)
 {
@@ -162,32 +147,22 @@ greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *
 }
 
 void
-integrate(const double *base, const float *map, double duration, std::size_t n, double *sum)
+integrate(const double *base, const float *map, std::size_t n, double *sum)
 {
   each_once<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const hn::Rebind<float, decltype(d)> narrow;
     const auto value = hn::PromoteTo(d, hn::LoadU(narrow, map + i));
-    hn::StoreU(hn::Add(hn::LoadU(d, base + i), hn::Mul(hn::Set(d, duration), value)), d, sum + i);
+    hn::StoreU(hn::Add(hn::LoadU(d, base + i), value), d, sum + i);
   });
 }
 
-template <class D>
-HWY_INLINE hn::Vec<D>
-at(D d, const Integral &integral, std::size_t i)
-{
-  const auto before = hn::LoadU(d, integral.before + i);
-  if (integral.part == 0)
-    return before;
-  const auto step = hn::Sub(hn::LoadU(d, integral.after + i), before);
-  return hn::Add(before, hn::Mul(hn::Set(d, integral.part), step));
-}
-
 void
-difference(const Integral &from, const Integral &to, double scale, std::size_t n, float *out)
+difference(const double *from, const double *to, double scale, std::size_t n, float *out)
 {
   cover<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const hn::Rebind<float, decltype(d)> narrow;
-    const auto value = hn::Mul(hn::Sub(at(d, to, i), at(d, from, i)), hn::Set(d, scale));
+    const auto value
+        = hn::Mul(hn::Sub(hn::LoadU(d, to + i), hn::LoadU(d, from + i)), hn::Set(d, scale));
     hn::StoreU(hn::DemoteTo(narrow, value), narrow, out + i);
   });
 }
@@ -203,7 +178,6 @@ HWY_EXPORT(chroma_contrast);
 HWY_EXPORT(contrast);
 HWY_EXPORT(count_changed);
 HWY_EXPORT(keep_between);
-HWY_EXPORT(gains);
 HWY_EXPORT(greatest);
 HWY_EXPORT(integrate);
 HWY_EXPORT(difference);
@@ -242,13 +216,6 @@ keep_between(float low, float high, std::size_t n, float *values)
   return HWY_DYNAMIC_DISPATCH(keep_between)(low, high, n, values);
 }
 
-Gains
-gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
-      float *ratios)
-{
-  return HWY_DYNAMIC_DISPATCH(gains)(center, surround, least, nothing, n, ratios);
-}
-
 void
 greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out)
 {
@@ -256,13 +223,13 @@ greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *
 }
 
 void
-integrate(const double *base, const float *map, double duration, std::size_t n, double *sum)
+integrate(const double *base, const float *map, std::size_t n, double *sum)
 {
-  HWY_DYNAMIC_DISPATCH(integrate)(base, map, duration, n, sum);
+  HWY_DYNAMIC_DISPATCH(integrate)(base, map, n, sum);
 }
 
 void
-difference(const Integral &from, const Integral &to, double scale, std::size_t n, float *out)
+difference(const double *from, const double *to, double scale, std::size_t n, float *out)
 {
   HWY_DYNAMIC_DISPATCH(difference)(from, to, scale, n, out);
 }

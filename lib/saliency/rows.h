@@ -39,31 +39,13 @@ std::size_t count_changed(const std::array<const float *, 3> &lab,
 /// Moves those of n values in [low, high) to the front, in order; returns their number.
 std::size_t keep_between(float low, float high, std::size_t n, float *values);
 
-/// Writes center / (surround + nothing) of those samples whose center is above `least` to `ratios`,
-/// which has room for n. Returns how many there are and how many of them are above 1.
-struct Gains
-{
-  std::size_t count;
-  std::size_t gained;
-};
-Gains gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
-            float *ratios);
-
 /// out[i] = the greatest of in[i], in[i + step], …, in[i + (count - 1) · step], for n samples.
 void greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out);
 
-/// An integral over time, interpolated: before + part × (after - before).
-struct Integral
-{
-  const double *before;
-  const double *after;
-  double part;
-};
-
-/// sum = base + duration × map. `sum` may be `base`.
-void integrate(const double *base, const float *map, double duration, std::size_t n, double *sum);
+/// sum = base + map. `sum` may be `base`.
+void integrate(const double *base, const float *map, std::size_t n, double *sum);
 
 /// out = (to - from) × scale.
-void difference(const Integral &from, const Integral &to, double scale, std::size_t n, float *out);
+void difference(const double *from, const double *to, double scale, std::size_t n, float *out);
 
 } // namespace saliency::rows

@@ -195,94 +195,32 @@ shift_equations(const cv::Mat &image, const Similarity &position, const Textured
 }
 
 void
-novelty(const LabImage &now, const LabImage &then, const Similarity &before,
-        const RowMotion &motion, int y, const NoveltyScale &scale, float *out)
+warp(const cv::Mat &image, const Similarity &position, cv::Mat &warped)
 {
-  const cv::Size size = now.size();
-  const auto width = static_cast<std::size_t>(size.width);
-  std::array<const float *, 3> images;
-  std::array<const float *, 3> rows;
-  std::array<const float *, 3> above;
-  std::array<const float *, 3> below;
-  for (std::size_t c = 0; c < 3; ++c) {
-    images[c] = then.planes[c].ptr<float>();
-    rows[c] = now.planes[c].ptr<float>(y);
-    above[c] = now.planes[c].ptr<float>(std::max(0, y - 1));
-    below[c] = now.planes[c].ptr<float>(std::min(size.height - 1, y + 1));
-  }
-  const auto a = static_cast<float>(before.a);
-  const auto b = static_cast<float>(before.b);
-  const auto tx = static_cast<float>(before.tx);
-  const auto ty = static_cast<float>(before.ty);
-
-  // `left` and `right`: the neighbors of sample x.
-  const auto make = [&](auto d, std::size_t x, std::size_t left, std::size_t right) HWY_ATTR {
-    const auto weight = hn::Set(d, motion.weight);
-    const auto moved = [&](const std::array<const float *, 2> &by) HWY_ATTR {
-      const auto from = hn::LoadU(d, by[0] + x);
-      return hn::Add(from, hn::Mul(weight, hn::Sub(hn::LoadU(d, by[1] + x), from)));
-    };
-    const auto from_x = hn::Sub(hn::Iota(d, static_cast<float>(x)), moved(motion.x));
-    const auto from_y = hn::Sub(hn::Set(d, static_cast<float>(y)), moved(motion.y));
-    const auto at_x = hn::Add(
-        hn::Sub(hn::Mul(hn::Set(d, a), from_x), hn::Mul(hn::Set(d, b), from_y)), hn::Set(d, tx));
-    const auto at_y = hn::Add(
-        hn::Add(hn::Mul(hn::Set(d, b), from_x), hn::Mul(hn::Set(d, a), from_y)), hn::Set(d, ty));
-    const auto inside = between(d, at_x, at_y, 0, static_cast<float>(size.width - 1),
-                                static_cast<float>(size.height - 1));
-    auto rest = hn::Zero(d);
-    auto gradient = hn::Zero(d);
-    interpolate(d, images, size.width, at_x, at_y, inside, [&](std::size_t c, auto was) HWY_ATTR {
-      const auto change = hn::Sub(hn::LoadU(d, rows[c] + x), was);
-      const auto dx = hn::Sub(hn::LoadU(d, rows[c] + right), hn::LoadU(d, rows[c] + left));
-      const auto dy = hn::Sub(hn::LoadU(d, below[c] + x), hn::LoadU(d, above[c] + x));
-      rest = hn::Add(rest, hn::Mul(change, change));
-      gradient = hn::Add(gradient, hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
-    });
-    const auto excess = hn::Max(hn::Zero(d), hn::Sub(hn::Sqrt(rest), hn::Set(d, scale.noise)));
-    const auto slope = hn::Mul(hn::Set(d, 0.5F), hn::Sqrt(gradient)); // over two samples
-    const auto relative = hn::Div(excess, hn::Add(slope, hn::Set(d, scale.least_gradient)));
-    const auto value = hn::Min(hn::Set(d, scale.most), relative);
-    hn::StoreU(hn::IfThenElseZero(inside, value), d, out + x);
-  };
-  const OneLane<float> one;
-  make(one, 0, 0, std::min<std::size_t>(1, width - 1));
-  if (width > 1)
-    make(one, width - 1, width - 2, width - 1);
-  if (width > 2)
-    cover<float>(width - 2, [&](auto d, std::size_t i) HWY_ATTR { make(d, i + 1, i, i + 2); });
-}
-
-void
-add_sampled(const cv::Mat &image, const Similarity &position, float border, const cv::Mat &now,
-            float length, cv::Mat &sum)
-{
-  const float right = static_cast<float>(image.cols - 1) - border;
-  const float bottom = static_cast<float>(image.rows - 1) - border;
+  const auto right = static_cast<float>(image.cols - 1);
+  const auto bottom = static_cast<float>(image.rows - 1);
   const auto step_x = static_cast<float>(position.a);
   const auto step_y = static_cast<float>(position.b);
-  const auto width = static_cast<std::size_t>(sum.cols);
-  for (int y = 0; y < sum.rows; ++y) {
+  const auto width = static_cast<std::size_t>(image.cols);
+  for (int y = 0; y < image.rows; ++y) {
     const auto begin_x = static_cast<float>(position.x(0, y));
     const auto begin_y = static_cast<float>(position.y(0, y));
-    const auto *current = now.ptr<float>(y);
-    auto *row = sum.ptr<float>(y);
-    const auto add = [&](auto d, std::size_t i) HWY_ATTR {
+    auto *row = warped.ptr<float>(y);
+    const auto make = [&](auto d, std::size_t i) HWY_ATTR {
       const auto x = hn::Iota(d, static_cast<float>(i));
       const auto at_x = hn::Add(hn::Set(d, begin_x), hn::Mul(hn::Set(d, step_x), x));
       const auto at_y = hn::Add(hn::Set(d, begin_y), hn::Mul(hn::Set(d, step_y), x));
-      const auto inside = between(d, at_x, at_y, border, right, bottom);
+      const auto inside = between(d, at_x, at_y, 0, right, bottom);
+      const auto nothing = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
       const auto value = interpolated(d, image, at_x, at_y, inside);
-      const auto so_far = hn::LoadU(d, row + i);
-      const auto change = hn::Sub(value, hn::Mul(hn::Set(d, length), hn::LoadU(d, current + i)));
-      hn::StoreU(hn::IfThenElse(inside, hn::Add(so_far, change), so_far), d, row + i);
+      hn::StoreU(hn::IfThenElse(inside, value, nothing), d, row + i);
     };
     const hn::CappedTag<float, kBlock> d;
     std::size_t i = 0;
     for (; i + hn::Lanes(d) <= width; i += hn::Lanes(d))
-      add(d, i);
+      make(d, i);
     for (; i < width; ++i)
-      add(hn::CappedTag<float, 1>(), i);
+      make(hn::CappedTag<float, 1>(), i);
   }
 }
 
@@ -295,8 +233,7 @@ namespace saliency {
 HWY_EXPORT(sample);
 HWY_EXPORT(equations);
 HWY_EXPORT(shift_equations);
-HWY_EXPORT(novelty);
-HWY_EXPORT(add_sampled);
+HWY_EXPORT(warp);
 
 void
 TexturedPoints::clear()
@@ -378,20 +315,11 @@ shift_equations(const cv::Mat &image, const Similarity &position, const Textured
 }
 
 void
-novelty(const LabImage &now, const LabImage &then, const Similarity &before,
-        const RowMotion &motion, int y, const NoveltyScale &scale, float *out)
+warp(const cv::Mat &image, const Similarity &position, cv::Mat &warped)
 {
-  for (const cv::Mat &plane : then.planes)
-    CV_Assert(plane.type() == CV_32FC1 && plane.isContinuous() && plane.size() == now.size());
-  HWY_DYNAMIC_DISPATCH(novelty)(now, then, before, motion, y, scale, out);
-}
-
-void
-add_sampled(const cv::Mat &image, const Similarity &position, float border, const cv::Mat &now,
-            float length, cv::Mat &sum)
-{
-  CV_Assert(image.type() == CV_32FC1 && image.isContinuous());
-  HWY_DYNAMIC_DISPATCH(add_sampled)(image, position, border, now, length, sum);
+  CV_Assert(image.type() == CV_32FC1 && image.isContinuous() && image.data != warped.data);
+  warped.create(image.size(), CV_32FC1);
+  HWY_DYNAMIC_DISPATCH(warp)(image, position, warped);
 }
 
 } // namespace saliency

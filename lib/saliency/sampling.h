@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "frame/lab_image.h"
 #include "saliency/similarity.h"
 
 #include <opencv2/core/mat.hpp>
@@ -70,31 +69,7 @@ struct ShiftEquations
 ShiftEquations shift_equations(const cv::Mat &image, const Similarity &position,
                                const TexturedPoints &points, float scale);
 
-/// The local motion along a row of the picture, in samples: between the rows above and below.
-struct RowMotion
-{
-  std::array<const float *, 2> x;
-  std::array<const float *, 2> y;
-  float weight; ///< of the row below
-};
-
-/// Of what differs between two pictures, relative to the gradient. In ΔE and ΔE per sample.
-struct NoveltyScale
-{
-  float noise;          ///< smaller differences do not count
-  float least_gradient; ///< added to the gradient
-  float most;
-};
-
-/// Row y of min(most, max(0, ΔE - noise) / (gradient + least_gradient)), with ΔE between `now` and
-/// `then`, and the gradient of `now`. What is at (x, y) was at before(x - motion.x, y - motion.y);
-/// 0 where that is outside. Both images have one size.
-void novelty(const LabImage &now, const LabImage &then, const Similarity &before,
-             const RowMotion &motion, int y, const NoveltyScale &scale, float *out);
-
-/// sum += image at `position` - length × now, at each sample whose position is at least `border`
-/// samples inside the image. All images have one size.
-void add_sampled(const cv::Mat &image, const Similarity &position, float border, const cv::Mat &now,
-                 float length, cv::Mat &sum);
+/// The image as seen at `position` of each of its samples; NaN outside.
+void warp(const cv::Mat &image, const Similarity &position, cv::Mat &warped);
 
 } // namespace saliency

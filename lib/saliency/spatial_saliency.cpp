@@ -48,12 +48,13 @@ frame_levels(const Profile &profile, cv::Size frame)
     levels.coarsest = std::max(levels.coarsest, chroma.surround);
     levels.finest_chroma = std::min(levels.finest_chroma, chroma.center);
   }
-  if (profile.cut_share < 1 || profile.camera_motion)
+  const bool events = profile.temporal == Temporal::events;
+  if (profile.cut_share < 1 || events)
     levels.finest = std::min(levels.finest, levels.saliency);
   if (profile.cut_share < 1)
     levels.finest_chroma = std::min(levels.finest_chroma, levels.saliency);
   levels.camera = std::max(levels.finest, levels.saliency - 1);
-  if (profile.camera_gate)
+  if (events)
     levels.finest_chroma = std::min(levels.finest_chroma, levels.camera);
   return levels;
 }

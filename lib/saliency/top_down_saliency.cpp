@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/top_down_saliency.h"
 
+#include "saliency/events/event_map.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -21,14 +23,13 @@ reach_of(const Profile &profile)
   return std::ldexp(2.0, coarsest - profile.saliency_level);
 }
 
-/// The longest window in which past content still raises the map.
+/// For how long past content still raises the map.
 Time
 hold_of(const Profile &profile)
 {
-  int frames = 0;
+  int frames = profile.temporal == Temporal::events ? EventMap::kHold : 0;
   for (const WindowPair &pair : profile.windows)
-    frames = std::max({ frames, pair.center,
-                        profile.temporal_sign == TemporalSign::absolute ? pair.surround : 0 });
+    frames = std::max({ frames, pair.center, pair.surround });
   return frames * Time(std::chrono::seconds(1)) / 30;
 }
 
@@ -70,8 +71,15 @@ cover(const Axis &axis, double begin, double end)
 
 TopDownSaliency::TopDownSaliency(const Profile &profile, bool temporal)
     : reach_(reach_of(profile)), hold_(temporal ? hold_of(profile) : Time{}),
-      in_frames_(profile.time_base == TimeBase::frames)
+      in_frames_(profile.temporal == Temporal::windows),
+      events_(temporal && profile.temporal == Temporal::events)
 {
+}
+
+double
+TopDownSaliency::reach(cv::Size map) const
+{
+  return events_ ? reach_ + EventMap::reach(map) : reach_;
 }
 
 const cv::Mat &
@@ -106,6 +114,7 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
   const cv::Rect2d &picture = found.picture;
   const Axis horizontal{ map_.cols, picture.x, picture.x + picture.width };
   const Axis vertical{ map_.rows, picture.y, picture.y + picture.height };
+  const double reach = this->reach(map_.size());
   const double step_x = picture.width / frame.width; // samples per pixel
   const double step_y = picture.height / frame.height;
   for (auto region = by_type.begin(); region != by_type.end();) {
@@ -115,8 +124,8 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
     for (; region != by_type.end() && region->type == type; ++region) {
       const double x = picture.x + region->area.x * step_x;
       const double y = picture.y + region->area.y * step_y;
-      const Cover columns = cover(horizontal, x - reach_, x + region->area.width * step_x + reach_);
-      const Cover rows = cover(vertical, y - reach_, y + region->area.height * step_y + reach_);
+      const Cover columns = cover(horizontal, x - reach, x + region->area.width * step_x + reach);
+      const Cover rows = cover(vertical, y - reach, y + region->area.height * step_y + reach);
       for (std::size_t r = 0; r < rows.shares.size(); ++r) {
         float *line = covered_[rows.first + static_cast<int>(r)] + columns.first;
         for (std::size_t c = 0; c < columns.shares.size(); ++c)

@@ -27,10 +27,11 @@ struct Region
 /// gain is commonly modeled (Navalpakkam & Itti 2005). The paper has no such step (Section 6).
 ///
 /// An object is salient beyond its outline, so a region is extended by two samples of the coarsest
-/// center level, the reach of contrast and pooling. It is also held for as long as a temporal
-/// window contains what passed there. For windows in frames that is a number of frames; for maps of
-/// single pictures it is the region's own frame only. A weight of 0 therefore suppresses a moving
-/// object completely, and a detector that loses an object for some frames causes no event.
+/// center level, the reach of contrast and pooling, and by that of events (EventMap::reach). It is
+/// also held for as long as an event there lasts, or a temporal window contains what passed. For
+/// windows in frames that is a number of frames; for maps of single pictures it is the region's own
+/// frame only. A weight of 0 therefore suppresses a moving object completely, and a detector that
+/// loses an object for some frames causes no event.
 ///
 /// A sample of which a region covers the share s is multiplied by 1 + s (weight − 1). Where regions
 /// of one type overlap, the largest share counts, so detecting a face twice does not raise it
@@ -57,11 +58,8 @@ public:
   /// Drops the regions of earlier frames.
   void reset();
 
-  /// How far a region is extended in every direction, in samples of the map.
-  double reach() const
-  {
-    return reach_;
-  }
+  /// How far a region is extended in every direction, in samples of a map of that size.
+  double reach(cv::Size map) const;
   /// How long a region is held. With windows in frames, each frame counts 1/30 s.
   Time hold() const
   {
@@ -77,7 +75,8 @@ private:
 
   double reach_;
   Time hold_;
-  bool in_frames_;                 ///< hold() counts frames
+  bool in_frames_;
+  bool events_;                    ///< hold() counts frames
   std::deque<Remembered> regions_; ///< newest first
   std::optional<Time> last_time_;
   cv::Size frame_;

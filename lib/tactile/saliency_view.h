@@ -26,6 +26,9 @@ struct SaliencyView
   Extent horizontal;
   Extent vertical;
 
+  double strength
+      = 0; ///< of what happens, for Gain::relative; 1: as strong as it gets in this film
+
   bool empty() const
   {
     return values == nullptr || width < 1 || height < 1;

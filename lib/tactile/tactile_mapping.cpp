@@ -165,6 +165,18 @@ find_windows(const Axis &axis, int cells, double sigma, Windows &windows)
       add_area_window(axis, cells, cell, windows);
 }
 
+// The relative gain: the weakest level, and how many times stronger the strongest events are.
+constexpr double kWeakestRelative = 0.3;
+constexpr double kRange = 30;
+
+/// Level of the strongest cell for events of this strength.
+double
+relative_level(double strength)
+{
+  const double share = strength > 0 ? 1 + std::log(strength) / std::log(kRange) : 0;
+  return kWeakestRelative + (1 - kWeakestRelative) * std::clamp(share, 0.0, 1.0);
+}
+
 /// Level of the strongest cell for an event of this contrast in ΔE.
 double
 perceptual_level(double contrast)
@@ -206,18 +218,20 @@ MappingSettings
 MappingSettings::tuned()
 {
   return { .order = Order::pool_first,
-           .floor = 0.6,
+           .floor = 0.8,
+           .center_weight = 0.4,
            .threshold = 0.5,
            .binary = false,
            .prefilter_sigma = 0,
-           .gain = Gain::perceptual,
-           .units_per_delta_e = 0.065 };
+           .gain = Gain::relative,
+           .units_per_delta_e = 0.13 };
 }
 
 MappingSettings
 MappingSettings::tuned_spatial()
 {
   MappingSettings settings = tuned();
+  settings.gain = Gain::perceptual;
   settings.units_per_delta_e = 2;
   settings.floor = kPerceptualOnset * settings.units_per_delta_e;
   settings.center_weight = 0.7;
@@ -286,10 +300,13 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
         0.0);
 
   double scale = 1;
-  if (settings.gain == Gain::perceptual) {
+  if (settings.gain != Gain::none) {
     if (strongest <= 0)
       return; // the prefilter does not reach any cell's center
-    scale = perceptual_level(peak / settings.units_per_delta_e) / strongest;
+    const double level = settings.gain == Gain::relative
+                             ? relative_level(map.strength * settings.sensitivity)
+                             : perceptual_level(peak / settings.units_per_delta_e);
+    scale = level / strongest;
   }
   for (std::size_t i = 0; i < cells.size(); ++i)
     out.levels[i] = static_cast<float>(std::clamp(cells[i] * scale, 0.0, 1.0));

@@ -13,6 +13,7 @@ enum class Gain
   none,       ///< the pooled value itself (paper)
   perceptual, ///< the strongest cell follows the event's contrast in ΔE, with saturation; the other
               ///< cells keep their ratio to it
+  relative,   ///< likewise, but it follows SaliencyView::strength, by its logarithm
 };
 
 /// Which comes first, the threshold or the pooling.
@@ -43,17 +44,20 @@ struct MappingSettings
   Gain gain = Gain::perceptual;
   /// The map's value per ΔE of event contrast, > 0; for Gain::perceptual.
   double units_per_delta_e = 1;
+  /// Factor on strength, > 0; for Gain::relative.
+  double sensitivity = 1;
 
   /// Threshold of pixels at 50 %, binary, prefilter, no gain (paper, Section 3). The paper does not
   /// give the prefilter's σ; a third of a cell is our choice.
   static MappingSettings paper();
 
-  /// For Profile::tuned() maps: a floor, values kept, exact area, threshold of cells, perceptual
-  /// gain (docs/design/algorithm.md).
+  /// For Profile::tuned() maps: a floor, values kept, exact area, a mild weight of the center,
+  /// threshold of cells, relative gain (docs/design/algorithm.md). A ball of a sixteenth of the
+  /// picture's width that appears has 0.13 units per ΔE.
   static MappingSettings tuned();
 
-  /// The same for Profile::tuned_spatial() maps. Their values are ΔE for figures of one percent of
-  /// the picture and larger for smaller ones, so one unit is taken as half a ΔE. The floor is the
+  /// For Profile::tuned_spatial() maps: a perceptual gain. Values are ΔE for figures of a hundredth
+  /// of the picture and larger for smaller ones, so a unit is taken as half a ΔE. The floor is the
   /// weakest event that a motor can render, 4 ΔE. The picture's center has a weight, as people look
   /// there in photographs.
   static MappingSettings tuned_spatial();
@@ -71,6 +75,8 @@ struct MappingSettings
 /// cell's level is 0.2 + 0.8 (1 − exp(−max(0, e − 4) / 25)), where e = maximum of the map /
 /// units_per_delta_e. The other cells keep their ratio to it: the strength of an event counts, not
 /// its size.
+///
+/// With Gain::relative it is 0.3 + 0.7 (1 + ln(strength · sensitivity) / ln 30), in [0.3, 1].
 ///
 /// A map without values is silent. Thread-safe.
 void map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out,

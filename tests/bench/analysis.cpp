@@ -66,7 +66,7 @@ stage_times(const saliency::Profile &profile, const tactile::MappingSettings &ma
   saliency::Analyzer analyzer(profile);
   tactile::TactileMap map(3, 3);
   const int level = saliency::frame_levels(profile, film.size()).finest;
-  const int converted = profile.exact ? 0 : saliency::conversion_level(film.size(), level);
+  const int converted = profile.exact ? 0 : saliency::decimation_level(film.size(), level);
   const cv::Size small = saliency::level_size(film.size(), converted);
   cv::Mat samples(3 * small.height, small.width, CV_8UC1);
   cv::randu(samples, 60, 200);

@@ -59,7 +59,7 @@ struct FrontEndKind
 
   int converted(cv::Size frame, int level) const
   {
-    return exact ? 0 : saliency::conversion_level(frame, level);
+    return exact ? 0 : saliency::decimation_level(frame, level);
   }
 };
 constexpr std::array kFrontEnds{ FrontEndKind{ "default", false }, FrontEndKind{ "exact", true } };
@@ -415,7 +415,7 @@ accuracy_holds(int threads)
   for (const cv::Size size : { cv::Size(640, 360), cv::Size(1920, 1080), cv::Size(1000, 1000) })
     for (const auto &row : leaves_agreement(size, size.width > 640 ? 1 : 8, threads)) {
       const bool of_every_pixel
-          = row.front_end == "exact" || saliency::conversion_level(size, 1) == 0;
+          = row.front_end == "exact" || saliency::decimation_level(size, 1) == 0;
       const double decimated = size.height == 1000 ? 0.998 : 0.9995;
       const double least = row.map == "tuned spatial" ? 0.985
                            : of_every_pixel           ? 0.999999

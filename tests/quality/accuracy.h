@@ -18,7 +18,7 @@ enum class OracleExtent
 /// Agreement of maps with a double-precision oracle, which converts every pixel to L*a*b* and
 /// decimates the result.
 ///
-/// The front end "default" converts at conversion_level(), "exact" every pixel.
+/// The front end "default" converts at decimation_level(), "exact" every pixel.
 ///
 /// Compares spatial maps of tuned and maps of tuned_spatial on dead leaves with sensor noise σ 2.
 /// If `data` is not empty, also on the photographs in its folder osie, and spatial and

@@ -48,27 +48,11 @@ choices()
       [](P &p, M &) { p.contrast_normalization = saliency::Normalization::itti; });
   add("saliency_level", "3", [](P &p, M &) { p.saliency_level = 3; });
   add("saliency_level", "5", [](P &p, M &) { p.saliency_level = 5; });
-  add("windows", "the paper's", [=](P &p, M &) { p.windows = paper.windows; });
-  add("temporal_sign", "absolute",
-      [](P &p, M &) { p.temporal_sign = saliency::TemporalSign::absolute; });
-  add("history_start", "empty", [](P &p, M &) { p.history_start = saliency::HistoryStart::empty; });
-  add("illumination_guard", "off", [](P &p, M &) { p.illumination_guard = false; });
-  add("camera_motion", "off", [](P &p, M &) { p.camera_motion = false; });
-  add("camera_dilation", "0", [](P &p, M &) { p.camera_dilation = 0; });
-  add("camera_margin", "1", [](P &p, M &) { p.camera_margin = 1; });
-  add("camera_margin", "1.3", [](P &p, M &) { p.camera_margin = 1.3; });
-  add("camera_rim", "0", [](P &p, M &) { p.camera_rim = 0; });
-  add("background_gain", "0", [](P &p, M &) { p.background_gain = 0; });
-  add("background_gain", "4", [](P &p, M &) { p.background_gain = 4; });
-  add("background_gain", "16", [](P &p, M &) { p.background_gain = 16; });
-  add("background_quantile", "0.5", [](P &p, M &) { p.background_quantile = 0.5; });
-  add("background_quantile", "0.9", [](P &p, M &) { p.background_quantile = 0.9; });
-  add("background_limit", "none", [](P &p, M &) { p.background_limit = 1e9; });
-  add("background_limit", "1.5", [](P &p, M &) { p.background_limit = 1.5; });
   add("cut_share", "1 (never)", [](P &p, M &) { p.cut_share = 1; });
   add("cut_share", "0.3", [](P &p, M &) { p.cut_share = 0.3; });
-  add("floor", "0.3", [](P &, M &m) { m.floor = 0.3; });
-  add("floor", "1.2", [](P &, M &m) { m.floor = 1.2; });
+  add("floor", "0.4", [](P &, M &m) { m.floor = 0.4; });
+  add("floor", "1.6", [](P &, M &m) { m.floor = 1.6; });
+  add("center_weight", "0", [](P &, M &m) { m.center_weight = 0; });
   add("threshold", "0", [](P &, M &m) { m.threshold = 0; });
   add("order", "threshold_first", [](P &, M &m) { m.order = tactile::Order::threshold_first; });
   add("order, binary", "threshold_first, on", [](P &, M &m) {

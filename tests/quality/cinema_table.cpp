@@ -229,7 +229,7 @@ add_talks(std::vector<CinemaCase> &cases, const Pictures &pictures)
     cases.push_back({ .film = listener ? "one talks, one listens" : "one talks",
                       .make = make,
                       .target = kTalks,
-                      .floor = kTalks });
+                      .floor = { .told = 0.3 } });
   }
 }
 

@@ -170,7 +170,7 @@ score_ours(const std::filesystem::path &file, const std::vector<Label> &labels,
   for (const double sensitivity : kSensitivities) {
     mappings.push_back(tactile::MappingSettings::tuned());
     mappings.back().floor /= sensitivity;
-    mappings.back().units_per_delta_e /= sensitivity;
+    mappings.back().sensitivity = sensitivity;
   }
   std::vector<ClipJudge> judges(mappings.size(), ClipJudge(labels));
   tactile::TactileMap map(kSide, kSide);

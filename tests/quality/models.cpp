@@ -61,6 +61,7 @@ view_of(const saliency::Saliency &found)
   auto view = view_of(found.map);
   view.horizontal = { found.picture.x, found.picture.width };
   view.vertical = { found.picture.y, found.picture.height };
+  view.strength = found.strength;
   return view;
 }
 
@@ -103,7 +104,7 @@ RarityMaps::of(const Frame &frame, Time time, int level)
 {
   if (time_ != time)
     rarity_(saliency::to_float(front_end_.lab(frame.view(), level,
-                                              saliency::conversion_level(frame.size(), level))),
+                                              saliency::decimation_level(frame.size(), level))),
             map_);
   time_ = time;
   return map_;

@@ -237,7 +237,7 @@ private:
     const int level = saliency::frame_levels(spatial_.profile(), kPicture).coarsest;
     cv::Mat map;
     rarity(saliency::to_float(
-               front_end_.lab(view, level, saliency::conversion_level(kPicture, level))),
+               front_end_.lab(view, level, saliency::decimation_level(kPicture, level))),
            map);
     const double step = 1 << level;
     return on_grid(

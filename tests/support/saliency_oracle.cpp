@@ -420,45 +420,4 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
   return sum;
 }
 
-namespace {
-
-/// The value at quantile `q`.
-double
-quantile(std::vector<double> values, double q)
-{
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
-
-} // namespace
-
-double
-illumination(const Image &center, const Image &surround)
-{
-  if (center.values.size() < 64)
-    return 1;
-  std::vector<double> gains;
-  for (std::size_t i = 0; i < center.values.size(); ++i)
-    if (center.values[i] > 1)
-      gains.push_back(center.values[i] / (surround.values[i] + 0.05));
-  return static_cast<double>(gains.size()) > 0.3 * static_cast<double>(center.values.size())
-             ? std::max(1.0, quantile(gains, 0.5))
-             : 1;
-}
-
-Image
-without_background(Image map, double gain, double q, int rim, double limit)
-{
-  std::vector<double> within;
-  for (int y = rim; y < map.height - rim; ++y)
-    for (int x = rim; x < map.width - rim; ++x)
-      within.push_back(map(x, y));
-  if (within.size() < 64)
-    return map;
-  const double background = std::min(limit, gain * quantile(within, q));
-  for (double &v : map.values)
-    v = std::max(0.0, v - background);
-  return map;
-}
-
 } // namespace oracle

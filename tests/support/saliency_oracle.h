@@ -98,10 +98,5 @@ Image spatial_saliency(const std::vector<LabImage> &pyramid,
                        const std::vector<saliency::LevelPair> &lightness,
                        const std::vector<saliency::LevelPair> &chroma, int level,
                        double chroma_weight, bool normalize, bool mean);
-/// β: the factor by which the contrast of most samples has risen.
-double illumination(const Image &center, const Image &surround);
-/// Subtracts `gain` times the quantile of the samples within the rim, but at most `limit`. Applies
-/// to at least 64 samples.
-Image without_background(Image map, double gain, double q, int rim = 0, double limit = 1e9);
 
 } // namespace oracle

@@ -345,7 +345,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_error_upstream)
 {
-  Player player(kSource + kCaps + "! identity error-after=50 ! saliencytactile" + kBranches);
+  Player player(kSource + kCaps + "! identity error-after=36 ! saliencytactile" + kBranches);
   player.errors_expected = 2; // from identity, and from the source as its data flow nowhere
   change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait([&] { return player.errors > 0; });

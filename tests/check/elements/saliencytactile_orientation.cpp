@@ -59,10 +59,11 @@ scene_frame(const Scene &scene, guint i)
   GstBuffer *buffer = flat_frame(GST_VIDEO_INFO_SIZE(&info), 110);
   GstVideoFrame frame;
   fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_WRITE));
+  const int x = scene.x + 3 * (static_cast<int>(i) - 14); // it moves, so it is felt to the end
   for (int row = 0; i >= 12 && row < kBall; row++)
     for (int column = 0; column < kBall; column++)
       static_cast<guint8 *>(GST_VIDEO_FRAME_PLANE_DATA(
-          &frame, 0))[(scene.y + row) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0) + scene.x + column]
+          &frame, 0))[(scene.y + row) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0) + x + column]
           = 140;
   gst_video_frame_unmap(&frame);
   GST_BUFFER_PTS(buffer) = i * GST_SECOND / 30;

@@ -41,7 +41,7 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
 }
 
 /// The tests' film in any format, by videoconvert: 12 still frames, then a square appears in the
-/// cell (row, column) of 3 × 3.
+/// cell (row, column) of 3 × 3 and moves to the right there until the end, by 4 pixels a frame.
 class SquareFilm
 {
 public:
@@ -56,9 +56,9 @@ public:
     GstHarness *h = gst_harness_new_parse(line);
     gst_harness_set_src_caps(h, gst_video_info_to_caps(&info));
     for (int i = 0; i < 16; i++) {
-      GstBuffer *frame = i < 12 ? rgb_frame(info, -1, 0)
-                                : rgb_frame(info, (2 * column + 1) * kWidth / 6 - kBall / 2,
-                                            (2 * row + 1) * kHeight / 6 - kBall / 2);
+      const int x = (2 * column + 1) * kWidth / 6 - kBall / 2 + 4 * i - 54;
+      const int y = (2 * row + 1) * kHeight / 6 - kBall / 2;
+      GstBuffer *frame = i < 12 ? rgb_frame(info, -1, 0) : rgb_frame(info, x, y);
       GST_BUFFER_PTS(frame) = gst_util_uint64_scale(static_cast<guint64>(i), GST_SECOND, 30);
       GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
       frames.push_back(gst_harness_push_and_pull(h, frame));

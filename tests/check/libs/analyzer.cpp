@@ -22,6 +22,7 @@ using saliency::Time;
 namespace {
 
 constexpr Time kSecond = std::chrono::seconds(1);
+constexpr double kFloor = 0.8; ///< of the tuned mapping
 
 std::vector<oracle::LabImage>
 pyramid_of(const Frame &frame)
@@ -32,24 +33,15 @@ pyramid_of(const Frame &frame)
   return levels;
 }
 
-/// Mean over the last `window` of maps that last `duration` each. What lies before the first map
-/// counts as that map if `filled`, else it is left out.
+/// Mean over the last `window` maps, or over all there are.
 Image
-window_mean(const std::vector<Image> &maps, double window, double duration, bool filled)
+window_mean(const std::vector<Image> &maps, int window)
 {
   Image sum(maps[0].width, maps[0].height);
-  double length = 0;
-  for (int k = 0; k * duration < window; ++k) {
-    const int i = static_cast<int>(maps.size()) - 1 - k;
-    if (i < 0 && !filled)
-      break;
-    const double share = std::min(duration, window - k * duration);
-    length += share;
+  const std::size_t count = std::min(maps.size(), static_cast<std::size_t>(window));
+  for (std::size_t i = maps.size() - count; i < maps.size(); ++i)
     for (std::size_t p = 0; p < sum.values.size(); ++p)
-      sum.values[p] += share * maps[static_cast<std::size_t>(std::max(i, 0))].values[p];
-  }
-  for (double &v : sum.values)
-    v /= length;
+      sum.values[p] += maps[i].values[p] / static_cast<double>(count);
   return sum;
 }
 
@@ -105,8 +97,8 @@ GST_START_TEST(test_paper_profile)
     Image st(maps[0].width, maps[0].height);
     for (const auto &[center, surround] :
          { std::pair{ 1, 8 }, { 1, 16 }, { 2, 16 }, { 2, 32 }, { 4, 32 }, { 4, 64 } }) {
-      const Image c = window_mean(maps, center, 1, false);
-      const Image s = window_mean(maps, surround, 1, false);
+      const Image c = window_mean(maps, center);
+      const Image s = window_mean(maps, surround);
       for (std::size_t p = 0; p < st.values.size(); ++p)
         st.values[p] += std::abs(c.values[p] - s.values[p]);
     }
@@ -129,44 +121,22 @@ GST_START_TEST(test_tuned_profile)
 {
   // At a width of 64 the pair's levels are 0 and 1 and the map's level is 2. Nothing is decimated
   // before the conversion to L*a*b*.
-  // What stands still or goes on is left in, too (habituation.cpp judges that).
-  Profile profile = Profile::tuned();
-  profile.habituation_after = std::numeric_limits<double>::infinity();
-  profile.transition_guard = false;
-  profile.noise_gain = 0;
-  for (const double rate : { 30.0, 25.0, 60.0 }) {
-    Analyzer analyzer(profile);
-    Analyzer still(profile);
-    std::vector<Image> maps;
-    double highest = 0;
-    for (int i = 0; i < 40; ++i) {
-      const Frame frame = film(64, 48, i);
-      maps.push_back(oracle::spatial_saliency(pyramid_of(frame), { { 0, 1 } }, { { 1, 2 } }, 2, 2,
-                                              false, true));
-      Image st(maps[0].width, maps[0].height);
-      for (const auto &[center, surround] :
-           { std::pair{ 1, 8 }, { 2, 16 }, { 4, 32 }, { 8, 64 } }) {
-        const Image c = window_mean(maps, center, 30 / rate, true);
-        const Image s = window_mean(maps, surround, 30 / rate, true);
-        const double light = oracle::illumination(c, s);
-        for (std::size_t p = 0; p < st.values.size(); ++p)
-          st.values[p] += std::max(0.0, c.values[p] - light * s.values[p]) / 4;
-      }
-      st = oracle::without_background(st, 8, 0.75, 0, 3);
-
-      const Time time(std::llround(1e9 * i / rate));
-      const Time duration = Time(std::llround(1e9 * (i + 1) / rate)) - time;
-      fail_unless_at_most(
-          oracle::difference(still.analyze(frame.view(), time, duration, false).map, maps.back()),
-          0.02);
-      const auto &result = analyzer.analyze(frame.view(), time, duration);
-      const double e = oracle::difference(result.map, st);
-      fail_unless(e <= 0.02, "frame %d at %g fps: %g", i, rate, e);
-      fail_unless_near(result.peak, st.maximum(), 0.02);
-      highest = std::max(highest, result.peak);
-    }
-    fail_unless(highest > 2, "the ball is not salient: peak %g", highest);
+  Analyzer analyzer(Profile::tuned());
+  Analyzer still(Profile::tuned());
+  double highest = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Frame frame = film(64, 48, i);
+    const Image spatial = oracle::spatial_saliency(pyramid_of(frame), { { 0, 1 } }, { { 1, 2 } }, 2,
+                                                   2, false, true);
+    const Time time = i * kSecond / 30;
+    fail_unless_at_most(
+        oracle::difference(still.analyze(frame.view(), time, kSecond / 30, false).map, spatial),
+        0.02);
+    const auto &result = analyzer.analyze(frame.view(), time, kSecond / 30);
+    highest = std::max(highest, result.peak);
+    fail_unless(result.peak == 0 || result.strength > 0);
   }
+  fail_unless(highest > kFloor, "the ball is not salient: peak %g", highest);
 }
 GST_END_TEST;
 
@@ -198,72 +168,54 @@ GST_END_TEST;
 
 GST_START_TEST(test_same_film_at_any_rate)
 {
-  // A ball appears at 1 s and moves at 2 s and 2.5 s. At equal times the maps are equal at any
-  // rate. At 29.97 fps and at a variable rate, frames end only near those times.
-  const auto at = [](double second) {
-    Frame frame = textured(48, 36);
-    if (second >= 1)
-      frame.disc(second < 2 ? 10 : second < 2.5 ? 24 : 38, 18, 6, { 210, 90, 200 });
-    return frame;
-  };
-  const auto run = [&](const std::vector<double> &borders) {
+  // A ball that crosses the picture is about as salient at any rate: at 30 fps it is compared with
+  // where it was 67 ms ago, at others 80 to 83 ms.
+  const auto run = [](const std::vector<double> &borders) {
     Analyzer analyzer(Profile::tuned());
-    std::vector<cv::Mat> maps;
+    double sum = 0;
+    double length = 0;
     for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
+      Frame frame = textured(160, 120);
+      frame.disc(20 + 40 * borders[i], 60, 10, { 210, 90, 200 });
       const Time time(std::llround(borders[i] * 1e9));
       const Time duration = Time(std::llround(borders[i + 1] * 1e9)) - time;
-      const cv::Mat map = analyzer.analyze(at(borders[i] + 1e-6).view(), time, duration).map;
-      const double half_seconds = borders[i + 1] * 2;
-      if (std::abs(half_seconds - std::round(half_seconds)) < 1e-6)
-        maps.push_back(map.clone());
+      const double peak = analyzer.analyze(frame.view(), time, duration).peak;
+      if (borders[i] < 0.5)
+        continue;
+      sum += peak * (borders[i + 1] - borders[i]);
+      length += borders[i + 1] - borders[i];
     }
-    return maps;
+    return sum / length;
   };
-  const auto regular = [](int rate) {
+  const auto regular = [](double rate) {
     std::vector<double> borders;
-    for (int i = 0; i <= 4 * rate; ++i)
-      borders.push_back(static_cast<double>(i) / rate);
+    for (int i = 0; i <= 3 * rate; ++i)
+      borders.push_back(i / rate);
     return borders;
   };
   std::vector<double> variable{ 0.0 };
-  while (variable.back() < 4)
-    for (const double length : { 0.02, 0.04, 0.1, 0.001, 0.039, 0.05 })
+  while (variable.back() < 3)
+    for (const double length : { 0.02, 0.04, 0.06, 0.001, 0.039, 0.05 })
       variable.push_back(variable.back() + length);
 
-  const auto reference = run(regular(30));
-  ck_assert_uint_eq(reference.size(), 8);
-  double highest = 0;
-  for (const auto &borders : { regular(24), regular(26), regular(48), regular(50), regular(60),
-                               regular(120), variable }) {
-    const auto maps = run(borders);
-    ck_assert_uint_ge(maps.size(), 8);
-    for (std::size_t i = 0; i < 8; ++i) {
-      fail_unless_at_most(cv::norm(maps[i], reference[i], cv::NORM_INF), 1e-3);
-      highest = std::max(highest, cv::norm(maps[i], cv::NORM_INF));
-    }
-  }
-  fail_unless(highest > 0.6, "no event to compare: peak %g", highest);
+  const double reference = run(regular(30));
+  fail_unless(reference > kFloor, "no event to compare: %g", reference);
+  for (const auto &borders : { regular(24), regular(25), regular(29.97), regular(48), regular(50),
+                               regular(60), regular(120), variable })
+    fail_unless_near(run(borders) / reference, 1, 0.3);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_no_ghost)
 {
   // A ball that has been still for three seconds vanishes.
-  for (const bool onset : { true, false }) {
-    Profile profile = Profile::tuned();
-    profile.temporal_sign
-        = onset ? saliency::TemporalSign::onset : saliency::TemporalSign::absolute;
-    Analyzer analyzer(profile);
-    for (int i = 0; i < 120; ++i) {
-      Frame frame(64, 48);
-      if (i < 100)
-        frame.disc(32, 24, 8, { 210, 90, 200 });
-      const double p = peak(analyzer, frame, i * kSecond / 30);
-      if (i < 100 || onset)
-        fail_unless(p == 0, "frame %d: %g", i, p);
-      else
-        fail_unless(p > 0.6, "frame %d: %g", i, p);
-    }
+  Analyzer analyzer(Profile::tuned());
+  for (int i = 0; i < 120; ++i) {
+    Frame frame(64, 48);
+    if (i < 100)
+      frame.disc(32, 24, 8, { 210, 90, 200 });
+    const double p = peak(analyzer, frame, i * kSecond / 30);
+    fail_unless(i < 100 ? p == 0 : p < kFloor, "frame %d: %g", i, p);
   }
 }
 GST_END_TEST;
@@ -277,7 +229,7 @@ GST_START_TEST(test_no_burst)
   const Frame other(80, 60);
   const Time frame = kSecond / 30;
   for (const auto &profile : { Profile::tuned(), Profile::paper() }) {
-    const bool seconds = profile.time_base == saliency::TimeBase::seconds;
+    const bool seconds = profile.temporal == saliency::Temporal::events;
     Analyzer analyzer(profile);
     const auto starts_anew = [&](const Frame &first, Time time) {
       fail_unless(peak(analyzer, first, time) == 0);
@@ -292,8 +244,7 @@ GST_START_TEST(test_no_burst)
     starts_anew(gray, 11 * frame);                       // and back
     starts_anew(gray, -100 * kSecond);                   // before zero
     const Time hole = -100 * kSecond + 2 * frame + 64 * frame;
-    fail_unless((peak(analyzer, gray, hole + frame) == 0)
-                == seconds); // longer than the longest window
+    fail_unless((peak(analyzer, gray, hole + frame) == 0) == seconds);    // longer than two seconds
     fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // shorter
   }
 }
@@ -320,7 +271,7 @@ GST_START_TEST(test_extreme_times)
   analyzer.reset();
   for (int i = 0; i < 6; ++i) {
     const double p = peak(analyzer, i % 2 == 0 ? gray : ball, i * 3600 * kSecond, 3600 * kSecond);
-    fail_unless(i % 2 == 1 ? p > 0.6 : p < 0.6);
+    fail_unless(i % 2 == 1 ? p > kFloor : p < kFloor, "slide %d: %g", i, p);
   }
   // An unknown duration counts as 1/30 s.
   Analyzer known(Profile::tuned());
@@ -411,20 +362,14 @@ GST_START_TEST(test_invalid)
   fail_if(with([](Profile &) {}));
   fail_if(fault_of(Profile{}).empty());
   fail_unless(with([](Profile &p) { p.levels.clear(); }));
-  fail_unless(with([](Profile &p) { p.windows.clear(); }));
+  fail_unless(with([](Profile &p) { p.temporal = saliency::Temporal::windows; })); // has none
   fail_unless(with([](Profile &p) { p.levels = { { -1, 2 } }; }));
   fail_unless(with([](Profile &p) { p.levels = { { 3, 2 } }; }));
   fail_unless(with([](Profile &p) { p.windows = { { 0, 2 } }; }));
   fail_unless(with([](Profile &p) { p.saliency_level = -1; }));
   fail_unless(with([](Profile &p) { p.chroma_octaves = -1; }));
-  fail_unless(with([](Profile &p) { p.camera_dilation = -1; }));
-  fail_unless(with([](Profile &p) { p.camera_rim = -1; }));
-  fail_unless(with([](Profile &p) { p.background_quantile = 1.01; }));
-  fail_unless(with([](Profile &p) { p.background_quantile = NAN; }));
-  fail_unless(with([](Profile &p) { p.background_limit = NAN; }));
-  fail_unless(with([](Profile &p) { p.camera_margin = -1; }));
+  fail_unless(with([](Profile &p) { p.chroma_weight = -1; }));
   fail_unless(with([](Profile &p) { p.cut_share = NAN; }));
-  fail_unless(with([](Profile &p) { p.time_base = saliency::TimeBase::frames; }));
   // Levels in any order are valid.
   for (const int level : { 0, 1, 2, 6 }) {
     Profile profile = Profile::tuned();
@@ -479,7 +424,7 @@ GST_START_TEST(test_cut)
                                           i * kSecond / 30, Time(0));
     fail_unless(result.cut == (i == 5), "frame %d", i);
     fail_if(result.camera_moves);
-    fail_unless((result.peak > 0.6) == (i >= 10), "frame %d: %g", i, result.peak);
+    fail_unless((result.peak > kFloor) == (i >= 10), "frame %d: %g", i, result.peak);
   }
   const auto &result = analyzer.analyze(Frame(80, 60, 20).view(), kSecond, Time(0));
   fail_if(result.cut);
@@ -492,60 +437,41 @@ GST_START_TEST(test_cut)
   analyzer.reset();
   fail_if(analyzer.analyze(other.view(), kSecond, Time(0)).cut);
   profile.cut_share = 1;
-  profile.background_gain = 0;
   Analyzer uncut(profile);
   uncut.analyze(gray.view(), Time(0), Time(0));
   const auto &next = uncut.analyze(ball.view(), kSecond / 30, Time(0));
   fail_if(next.cut);
-  fail_unless(next.peak > 0.6);
+  fail_unless(next.peak > kFloor);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_pan)
 {
   // A camera pans over a surface and rests. Only a ball that appears and stays at its place in the
-  // picture is salient. Without motion compensation, the surface is salient, too.
-  Profile unfollowed = Profile::tuned();
-  unfollowed.camera_motion = false;
-  unfollowed.background_gain = 0;
-  Profile followed = Profile::tuned();
-  followed.background_gain = 0;
-  Analyzer tuned(Profile::tuned());
-  Analyzer with(followed);
-  Analyzer without(unfollowed);
-  double highest = 0;
-  double highest_with = 0;
-  double highest_without = 0;
+  // picture is salient.
+  Analyzer analyzer(Profile::tuned());
   double panned = 0;
   for (int i = 0; i < 150; ++i) {
     const bool ball = i == 40 || i == 41;
     const Frame f = surface(1.4 * std::clamp(i - 10, 0, 50), ball);
-    const Time time = i * kSecond / 30;
-    const auto &result = tuned.analyze(f.view(), time, Time(0));
+    const auto &result = analyzer.analyze(f.view(), i * kSecond / 30, Time(0));
     fail_if(result.cut);
     panned += result.motion.tx;
-    ck_assert_int_eq(tuned.picture().size().width, 4 * result.map.cols);
-    if (i <= 10 || i >= 145)
+    ck_assert_int_eq(analyzer.picture().size().width, 4 * result.map.cols);
+    if (i <= 10 || i >= 80)
       fail_if(result.camera_moves, "frame %d", i);
-    if (i >= 14 && i < 120)
+    if (i >= 14 && i < 60)
       fail_unless(result.camera_moves, "frame %d", i);
     if (ball) {
       cv::Point at;
       cv::minMaxLoc(result.map, nullptr, nullptr, nullptr, &at);
-      fail_unless(result.peak > 1, "the ball is not salient: peak %g", result.peak);
+      fail_unless(result.peak > kFloor, "the ball is not salient: peak %g", result.peak);
       fail_unless_at_most(std::hypot(at.x - 110 / 4.0, at.y - 62 / 4.0), 4);
     }
-    if (i >= 40)
-      continue;
-    highest = std::max(highest, result.peak);
-    highest_with = std::max(highest_with, with.analyze(f.view(), time, Time(0)).peak);
-    highest_without = std::max(highest_without, without.analyze(f.view(), time, Time(0)).peak);
+    if (i < 40 || i > 60)
+      fail_unless(result.peak < kFloor, "frame %d: %g", i, result.peak);
   }
   fail_unless_near(panned, -1.4 * 50 / 4, 0.5); // to the left, in samples
-  fail_unless(highest_without > 0.5, "the pan is not salient without compensation: peak %g",
-              highest_without);
-  fail_unless_at_most(highest_with, highest_without / 5);
-  fail_unless_at_most(highest, highest_with);
 }
 GST_END_TEST;
 
@@ -568,15 +494,10 @@ GST_END_TEST;
 /// A fast pan at a low frame rate changes as much as a cut, but the shot goes on.
 GST_START_TEST(test_fast_pan_is_no_cut)
 {
-  Profile unfollowed = Profile::tuned();
-  unfollowed.camera_motion = false;
-  Analyzer with(Profile::tuned());
-  Analyzer without(unfollowed);
+  Analyzer analyzer(Profile::tuned());
   for (int i = 0; i < 12; ++i) {
     const Frame f = surface(10.0 * std::max(i - 3, 0), false);
-    const Time time = i * kSecond / 8;
-    fail_if(with.analyze(f.view(), time, kSecond / 8).cut, "frame %d", i);
-    fail_unless(without.analyze(f.view(), time, kSecond / 8).cut == (i > 3), "frame %d", i);
+    fail_if(analyzer.analyze(f.view(), i * kSecond / 8, kSecond / 8).cut, "frame %d", i);
   }
 }
 GST_END_TEST;

@@ -88,7 +88,7 @@ GST_START_TEST(a_path_of_any_bytes)
   fail_unless(file->save().has_value());
   const Settings settings = read_settings();
   fail_unless(settings.complaints.empty(), "%s", settings.complaints.front().c_str());
-  fail_unless(settings.values == Values{ { "calibration", path } });
+  fail_unless((settings.values == Values{ { "calibration", path } }));
 }
 GST_END_TEST
 

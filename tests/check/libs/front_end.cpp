@@ -263,17 +263,17 @@ GST_START_TEST(test_large_frame)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_conversion_level)
+GST_START_TEST(test_decimation_level)
 {
-  // Every pixel of a small frame is converted. A larger one is decimated first, to the finest level
-  // that is small enough.
-  const auto level = saliency::conversion_level;
-  for (const cv::Size few : { cv::Size(1, 1), { 320, 240 }, { 720, 576 }, { 800, 600 } })
+  // A frame is decimated first, to the finest level that is small enough.
+  const auto level = saliency::decimation_level;
+  for (const cv::Size few : { cv::Size(1, 1), { 320, 240 }, { 500, 300 } })
     for (int n = 0; n < 5; ++n)
       ck_assert_int_eq(level(few, n), 0);
-  ck_assert_int_eq(level({ 801, 600 }, 0), 0);
-  ck_assert_int_eq(level({ 801, 600 }, 1), 1);
-  ck_assert_int_eq(level({ 801, 600 }, 2), 1);
+  ck_assert_int_eq(level({ 501, 300 }, 0), 0);
+  ck_assert_int_eq(level({ 501, 300 }, 3), 1);
+  ck_assert_int_eq(level({ 640, 480 }, 3), 1);
+  ck_assert_int_eq(level({ 800, 600 }, 3), 1);
   ck_assert_int_eq(level({ 1000, 1000 }, 2), 2);
   ck_assert_int_eq(level({ 1000, 1000 }, 3), 2);
   ck_assert_int_eq(level({ 1280, 720 }, 2), 2);
@@ -434,7 +434,7 @@ front_end_suite(void)
   tcase_add_loop_test(tc, test_threads, 0, static_cast<int>(std::size(kLayouts)));
   tcase_add_loop_test(tc, test_rows_of_pages, 0, static_cast<int>(std::size(kLayouts)));
   tcase_add_test(tc, test_large_frame);
-  tcase_add_test(tc, test_conversion_level);
+  tcase_add_test(tc, test_decimation_level);
   tcase_add_test(tc, test_reuse);
   tcase_add_test(tc, test_decimating_first_is_close);
   tcase_add_test(tc, test_invalid_frames);

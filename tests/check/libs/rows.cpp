@@ -141,28 +141,6 @@ GST_START_TEST(test_count_changed)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_gains)
-{
-  with_all([](std::size_t n) {
-    const auto center = random_row(n, 7, 0, 3);
-    const auto surround = random_row(n, 8, 0, 3);
-    std::vector<float> expected;
-    std::size_t gained = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      if (center[i] > 1) {
-        expected.push_back(center[i] / (surround[i] + 0.05F));
-        gained += expected.back() > 1 ? 1 : 0;
-      }
-    std::vector<float> ratios(n);
-    const auto found = rows::gains(center.data(), surround.data(), 1, 0.05F, n, ratios.data());
-    ck_assert_uint_eq(found.count, expected.size());
-    ck_assert_uint_eq(found.gained, gained);
-    fail_unless(std::equal(expected.begin(), expected.end(), ratios.begin()));
-    return std::vector<float>(ratios.begin(), ratios.begin() + static_cast<long>(found.count));
-  });
-}
-GST_END_TEST;
-
 GST_START_TEST(test_keep_between)
 {
   with_all([](std::size_t n) {
@@ -231,23 +209,17 @@ GST_START_TEST(test_integrals)
     const auto map = random_row(n, 9);
     const auto base = random_doubles(n, 10);
     auto sum = base;
-    rows::integrate(sum.data(), map.data(), 0.7, n, sum.data()); // in place
+    rows::integrate(sum.data(), map.data(), n, sum.data()); // in place
     for (std::size_t i = 0; i < n; ++i)
-      fail_unless_near(sum[i], base[i] + 0.7 * static_cast<double>(map[i]), 1e-12);
+      fail_unless_near(sum[i], base[i] + static_cast<double>(map[i]), 1e-12);
 
-    const auto a = random_doubles(n, 11);
-    const auto b = random_doubles(n, 12);
+    const auto from = random_doubles(n, 11);
     std::vector<float> found(sum.begin(), sum.end());
     std::vector<float> out(n);
-    for (const double part : { 0.0, 0.25 }) {
-      rows::difference({ a.data(), b.data(), part }, { base.data(), sum.data(), 0.5 }, 3, n,
-                       out.data());
-      for (std::size_t i = 0; i < n; ++i) {
-        const double from = a[i] + part * (b[i] - a[i]);
-        fail_unless_near(out[i], 3 * ((base[i] + sum[i]) / 2 - from), 1e-4);
-      }
-      found.insert(found.end(), out.begin(), out.end());
-    }
+    rows::difference(from.data(), sum.data(), 3, n, out.data());
+    for (std::size_t i = 0; i < n; ++i)
+      fail_unless_near(out[i], 3 * (sum[i] - from[i]), 1e-4);
+    found.insert(found.end(), out.begin(), out.end());
     return found;
   });
 }
@@ -297,7 +269,6 @@ rows_suite(void)
   tcase_add_test(tc, test_enlarge);
   tcase_add_test(tc, test_contrasts);
   tcase_add_test(tc, test_count_changed);
-  tcase_add_test(tc, test_gains);
   tcase_add_test(tc, test_keep_between);
   tcase_add_test(tc, test_greatest);
   tcase_add_test(tc, test_dilation);

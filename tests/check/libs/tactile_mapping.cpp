@@ -21,11 +21,13 @@ namespace {
 constexpr MappingSettings kPooling{ .floor = 0, .threshold = 0, .gain = Gain::none };
 
 TactileMap
-levels(const Map &map, const MappingSettings &settings, int rows, int columns)
+levels(const Map &map, const MappingSettings &settings, int rows, int columns, double strength = 0)
 {
   TactileMap out(rows, columns);
   std::fill(out.levels.begin(), out.levels.end(), 0.77F); // must be overwritten
-  map_saliency(map.view(), settings, out);
+  tactile::SaliencyView view = map.view();
+  view.strength = strength;
+  map_saliency(view, settings, out);
   return out;
 }
 
@@ -317,6 +319,29 @@ GST_START_TEST(test_perceptual_gain)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_relative_gain)
+{
+  // The event's strength gives the strongest cell's level, whatever the map's values. Values of the
+  // formula by hand: a thirtieth is the weakest, the root of a thirtieth is half way.
+  MappingSettings settings{ .threshold = 0.4, .gain = Gain::relative };
+  const Map map = Map(30, 10).square(11, 1, 15, 5, 2.0F).square(22, 2, 26, 6, 1.5F);
+  for (const auto &[strength, level] : { std::pair{ 0.0, 0.3 },
+                                         { 0.01, 0.3 },
+                                         { 1.0 / 30, 0.3 },
+                                         { 0.182574186, 0.65 },
+                                         { 0.5, 0.857343495 },
+                                         { 1.0, 1.0 },
+                                         { 7.0, 1.0 } })
+    for (const double sensitivity : { 0.5, 1.0, 3.0 }) {
+      settings.sensitivity = sensitivity;
+      const TactileMap out = levels(map, settings, 1, 3, strength / sensitivity);
+      fail_unless_near(out.at(0, 0), 0, 0);
+      fail_unless_near(out.at(0, 1), level, 1e-6);
+      fail_unless_near(out.at(0, 2), 0.75 * level, 1e-6);
+    }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_no_gain_is_limited)
 {
   const TactileMap out = levels(Map(4, 4, 37.0F), kPooling, 2, 2);
@@ -387,17 +412,22 @@ GST_START_TEST(test_profiles)
   }
 
   const auto tuned = MappingSettings::tuned();
-  fail_unless(silent(levels(Map(9, 9, 0.59F), tuned, 3, 3)));
-  // 0.61 is 9.38 ΔE: 0.2 + 0.8 (1 - exp(-5.38/25)).
-  for (const float level : levels(Map(9, 9, 0.61F), tuned, 3, 3).levels)
-    fail_unless_near(level, 0.355015, 1e-5);
-  // Cells are compared, not pixels: of means 2 · 9/100, 1 and 0.4 the second is felt, at the level
-  // of 2 / 0.065 ΔE.
+  fail_unless(silent(levels(Map(9, 9, 0.79F), tuned, 3, 3, 1)));
+  // The center counts more, but a corner is felt: 1 − 0.4 + 0.4 · 0.411112 beside it, and in the
+  // corners 0.4 · 0.169013.
+  const TactileMap even = levels(Map(9, 9, 0.81F), tuned, 3, 3, 1);
+  for (int i = 0; i < 9; ++i)
+    fail_unless_near(even.levels[static_cast<std::size_t>(i)],
+                     i == 4       ? 1
+                     : i % 2 == 1 ? 0.764445
+                                  : 0.667605,
+                     1e-5);
+  // Cells are compared, not pixels: of means 2 · 9/100, 1 and 0.4 the second is felt.
   const Map map
       = Map(30, 10).square(3, 3, 6, 6, 2.0F).square(10, 0, 20, 10, 1.0F).square(20, 0, 30, 4, 1.0F);
-  const TactileMap out = levels(map, tuned, 1, 3);
+  const TactileMap out = levels(map, tuned, 1, 3, 1);
   fail_unless_near(out.at(0, 0), 0, 0);
-  fail_unless_near(out.at(0, 1), 0.2 + 0.8 * (1 - std::exp(-(2 / 0.065 - 4) / 25)), 1e-6);
+  fail_unless_near(out.at(0, 1), 1, 1e-6);
   fail_unless_near(out.at(0, 2), 0, 0);
 }
 GST_END_TEST;
@@ -469,6 +499,7 @@ tactile_mapping_suite(void)
   tcase_add_test(tc, test_center_weight);
   tcase_add_test(tc, test_floor);
   tcase_add_test(tc, test_perceptual_gain);
+  tcase_add_test(tc, test_relative_gain);
   tcase_add_test(tc, test_no_gain_is_limited);
   tcase_add_test(tc, test_prefilter);
   tcase_add_test(tc, test_profiles);

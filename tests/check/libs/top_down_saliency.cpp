@@ -108,10 +108,9 @@ GST_START_TEST(test_definition)
     const cv::Rect2d picture(0, 0, frame.width, frame.height);
     std::erase_if(regions, [&](const Region &r) { return (r.area & picture).empty(); });
     TopDownSaliency top_down(Profile::tuned());
-    fail_unless_near(top_down.reach(), 2, 0);
     const cv::Mat before = found.map.clone();
     const cv::Mat &map = top_down.compute(found, frame, regions, 0s);
-    fail_unless_weighed(map, found, factors(found, regions, 2));
+    fail_unless_weighed(map, found, factors(found, regions, top_down.reach(map.size())));
     fail_unless(cv::norm(before, found.map, cv::NORM_INF) == 0, "the analyzer's map is its own");
   }
 }
@@ -139,12 +138,13 @@ GST_END_TEST;
 GST_START_TEST(test_reach_and_hold)
 {
   const TopDownSaliency tuned(Profile::tuned());
-  fail_unless_near(tuned.reach(), 2, 0);
-  fail_unless(tuned.hold() == Time(8'000'000'000 / 30));
+  // An event is blurred by a Gaussian of .0375 of the width, that is 1.5 of 40 samples, to 2.5 σ.
+  fail_unless_near(tuned.reach({ 40, 30 }), 2 + 4, 0);
+  fail_unless(tuned.hold() == Time(25'000'000'000 / 30));
   // Level 4 is the coarsest center and the map is at level 2. What vanishes has effect for 64
   // frames.
   const TopDownSaliency paper(Profile::paper());
-  fail_unless_near(paper.reach(), 8, 0);
+  fail_unless_near(paper.reach({ 40, 30 }), 8, 0);
   fail_unless(paper.hold() == Time(64'000'000'000 / 30));
   // Without temporal contrast nothing of the last frame remains.
   for (const Profile &profile : { Profile::tuned_spatial(), Profile::paper() })
@@ -192,10 +192,10 @@ GST_START_TEST(test_regions_stay)
         past.emplace_back(time, region);
       std::vector<Region> expected;
       for (const auto &[then, region] : past)
-        if (time - then <= Time(8'000'000'000 / 30))
+        if (time - then <= top_down.hold())
           expected.push_back(region);
       fail_unless_weighed(top_down.compute(found, frame, now, time), found,
-                          factors(found, expected, 2));
+                          factors(found, expected, top_down.reach(found.map.size())));
     }
   }
 }
@@ -213,7 +213,7 @@ GST_START_TEST(test_newest_weight)
   Region expected = then;
   expected.weight = 5;
   fail_unless_weighed(top_down.compute(found, frame, { &now, 1 }, 40ms), found,
-                      factors(found, { expected, now }, 2));
+                      factors(found, { expected, now }, top_down.reach(found.map.size())));
 }
 GST_END_TEST;
 

@@ -12,15 +12,15 @@ namespace saliency {
 ///
 /// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
 /// density estimation based on optimal smoothing and minimum statistics", 2001): the least that
-/// happened around it, within a quarter of the map's width, in each of the last seven seconds, of
-/// these the second least. Something that pauses in two of them has a floor of zero.
+/// happened around it, within a quarter of the map's width, in the last seven seconds. Something
+/// that pauses once in them has a floor of zero.
 class NoiseFloor
 {
 public:
-  /// Lowers `map` (CV_32FC1, ≥ 0), the spatiotemporal saliency `elapsed` frames at 30 fps after the
-  /// last one, by `gain` times the floor, at most by 7. From a floor of 3.5 on it is lowered less,
-  /// from 4.5 on not at all: so much is an event. Nothing is lowered in the first seconds.
-  void subtract(cv::Mat &map, double elapsed, double gain);
+  /// Lowers `map` (CV_32FC1, ≥ 0), the events `elapsed` frames at 30 fps after the last ones, by
+  /// seven times the floor, at most by 14. From a floor of 7 on it is lowered less, from 8 on not
+  /// at all: so much is an event. Nothing is lowered in the first seconds.
+  void subtract(cv::Mat &map, double elapsed);
 
   /// Drops the past.
   void reset();

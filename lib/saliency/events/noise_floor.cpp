@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "saliency/noise_floor.h"
+#include "saliency/events/noise_floor.h"
 
 #include "saliency/dilation.h"
 
@@ -16,13 +16,14 @@ constexpr double kRounding = 1e-3; ///< of times, in frames
 constexpr int kReaches = 4;        ///< "around" reaches as far as this part of the map's width
 constexpr std::size_t kFewest = 4; ///< stretches after which there is a floor
 constexpr float kNothing = 1e9F;
-constexpr float kMost = 7;     ///< that is subtracted, about ΔE 110
-constexpr float kStrong = 3.5; ///< a floor above this, about ΔE 50, begins to be an event
+constexpr float kGain = 7;
+constexpr float kMost = 14;  ///< that is subtracted, about ΔE 110
+constexpr float kStrong = 7; ///< a floor above this, about ΔE 50, begins to be an event
 
 } // namespace
 
 void
-NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
+NoiseFloor::subtract(cv::Mat &map, double elapsed)
 {
   if (!begun_ || smooth_.size() != map.size()) {
     reset();
@@ -47,16 +48,11 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
   }
   if (known_ >= kFewest) {
     for (std::size_t i = 0; i < total; ++i) {
-      float least = present[i];
-      float floor = kNothing;
-      for (std::size_t past = 0; past < known_; ++past) {
-        const float value = least_[past].ptr<float>()[i];
-        floor = std::min(floor, std::max(least, value));
-        least = std::min(least, value);
-      }
+      float floor = present[i];
+      for (std::size_t past = 0; past < known_; ++past)
+        floor = std::min(floor, least_[past].ptr<float>()[i]);
       const float noise = std::clamp(kStrong + 1 - floor, 0.0F, 1.0F);
-      values[i]
-          = std::max(0.0F, values[i] - noise * std::min(kMost, static_cast<float>(gain) * floor));
+      values[i] = std::max(0.0F, values[i] - noise * std::min(kMost, kGain * floor));
     }
   }
   age_ += elapsed;

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/events/event_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace saliency {
+
+namespace {
+
+constexpr double kLag = 2.4;          ///< between the pictures that are compared, frames at 30 fps
+constexpr double kShortestStep = 0.9; ///< between pictures that are kept
+constexpr float kMost = 31;           ///< ΔE of a sample: an event is larger, not brighter
+constexpr double kSmoothing = 3;      ///< half-life of the map, frames at 30 fps
+constexpr double kEnergyHalf = 1.5;   ///< the same of the energy
+constexpr double kBlur = 0.0375;      ///< σ in widths of the picture
+// A thing that appears and stands is held for so long, in frames at 30 fps, more weakly toward the
+// end, while nothing else is as strong as this in ΔE.
+constexpr double kHeld = 15;
+constexpr double kFades = 0.8; ///< share of the weight that is gone at the end
+constexpr float kAlone = 1.6F;
+// Something has gone where less than this share of its contrast is left, above the least contrast.
+constexpr float kGone = 0.3F;
+constexpr float kLeast = 1;
+// While the camera moves, weak events are its parallax: the map is divided by 1 + its way in units
+// of this share of the width, and, the more it travels, by what the misfit says.
+constexpr double kUnitsOfWidth = 160;
+constexpr double kTravel = 20;        ///< per sample of misfit
+constexpr double kLeastMisfit = 0.08; ///< samples
+constexpr double kLeastWay = 0.3;     ///< in these units: a camera that travels
+
+/// cv::Mat::setTo allocates.
+void
+clear(cv::Size size, cv::Mat &map)
+{
+  map.create(size, CV_32FC1);
+  std::fill_n(map.ptr<float>(), map.total(), 0.0F);
+}
+
+/// The mean way of a sample, in kUnitsOfWidth of the width.
+double
+displacement(const Similarity &motion, cv::Size size)
+{
+  double sum = 0;
+  for (const double x : { 0.25, 0.75 })
+    for (const double y : { 0.25, 0.75 })
+      sum += std::hypot(motion.x(x * size.width, y * size.height) - x * size.width,
+                        motion.y(x * size.width, y * size.height) - y * size.height);
+  return sum / 4 * kUnitsOfWidth / size.width;
+}
+
+double
+blur_sigma(cv::Size map)
+{
+  return std::max(0.5, kBlur * std::max(map.width, map.height));
+}
+
+} // namespace
+
+void
+EventMap::reset()
+{
+  count_ = 0;
+  energy_ = 0;
+  noise_.reset();
+}
+
+void
+EventMap::rebase(const Similarity &view)
+{
+  for (Picture &picture : past_)
+    picture.pose = view * picture.pose;
+}
+
+void
+EventMap::keep(const Look &look)
+{
+  if (count_ > 0 && past_[latest_].age < kShortestStep)
+    return;
+  past_.resize(kMostPictures);
+  latest_ = (latest_ + 1) % kMostPictures;
+  count_ = std::min(count_ + 1, kMostPictures);
+  Picture &picture = past_[latest_];
+  picture.age = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    look.picture.planes[c].copyTo(picture.lab.planes[c]);
+  look.contrast.copyTo(picture.contrast);
+  picture.pose = look.pose;
+}
+
+/// The picture whose age is nearest to the lag.
+const EventMap::Picture *
+EventMap::picture_before(double lag) const
+{
+  const Picture *best = nullptr;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Picture &picture = past_[(latest_ + kMostPictures - i) % kMostPictures];
+    if (!best || std::abs(picture.age - lag) < std::abs(best->age - lag))
+      best = &picture;
+  }
+  return best;
+}
+
+/// What has gone leaves a difference, too: little counts where little of the contrast is left.
+void
+EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &before,
+                       cv::Mat &map)
+{
+  const Similarity back = before.in_units_of(std::ldexp(1.0, look.octaves));
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x) {
+      const int px = std::clamp(static_cast<int>(std::lround(back.x(x, y))), 0, map.cols - 1);
+      const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
+      const float gone = kGone * then.contrast.ptr<float>(py)[px];
+      const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
+      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
+    }
+}
+
+int
+EventMap::reach(cv::Size map)
+{
+  return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
+}
+
+/// Gaussian, with nothing outside.
+void
+EventMap::blur(cv::Mat &map)
+{
+  const double sigma = blur_sigma(map.size());
+  const int reach = EventMap::reach(map.size());
+  if (sigma != sigma_) {
+    sigma_ = sigma;
+    weights_.clear();
+    double sum = 0;
+    for (int i = -reach; i <= reach; ++i)
+      sum += std::exp(-0.5 * i * i / (sigma * sigma));
+    for (int i = -reach; i <= reach; ++i)
+      weights_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum));
+  }
+  clear(map.size(), along_rows_);
+  for (int y = 0; y < map.rows; ++y)
+    for (int i = -reach; i <= reach; ++i) {
+      const float weight = weights_[static_cast<std::size_t>(i + reach)];
+      const auto *in = map.ptr<float>(y);
+      auto *out = along_rows_.ptr<float>(y);
+      for (int x = std::max(0, -i); x < std::min(map.cols, map.cols - i); ++x)
+        out[x] += weight * in[x + i];
+    }
+  clear(map.size(), map);
+  for (int y = 0; y < map.rows; ++y)
+    for (int i = std::max(-reach, -y); i <= std::min(reach, map.rows - 1 - y); ++i) {
+      const float weight = weights_[static_cast<std::size_t>(i + reach)];
+      const auto *in = along_rows_.ptr<float>(y + i);
+      auto *out = map.ptr<float>(y);
+      for (int x = 0; x < map.cols; ++x)
+        out[x] += weight * in[x];
+    }
+}
+
+/// Where in `then` is what is at a sample now.
+Similarity
+EventMap::motion_since(const Picture &then, const Look &look) const
+{
+  return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
+}
+
+/// What has appeared since `then`, in ΔE.
+void
+EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
+{
+  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
+  for (int i = 0; i < look.octaves; ++i) {
+    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
+    pooled = &pooled_[static_cast<std::size_t>(i)];
+  }
+  map.create(look.contrast.size(), CV_32FC1);
+  for (std::size_t i = 0; i < map.total(); ++i)
+    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
+  weigh_onsets(look, then, before, map);
+  blur(map);
+}
+
+/// A thing that appears is an event for half a second, as long as it stays, before a camera at
+/// rest. All that moves has precedence.
+void
+EventMap::hold_onsets(const Look &look)
+{
+  float strongest = 0;
+  float most_held = 0;
+  for (std::size_t i = 0; i < now_.total(); ++i) {
+    const float now = now_.ptr<float>()[i];
+    float &held = held_.ptr<float>()[i];
+    float &age = held_age_.ptr<float>()[i];
+    age += static_cast<float>(look.elapsed);
+    if (now >= held || static_cast<double>(age) > kHeld) {
+      held = now;
+      age = 0;
+    }
+    strongest = std::max(strongest, now);
+    most_held = std::max(most_held, held);
+  }
+  const float alone = 1 - strongest / kAlone;
+  if (alone <= 0 || most_held <= strongest)
+    return;
+  const Picture &then = *picture_before(kHeld);
+  const Similarity before = motion_since(then, look);
+  if (displacement(before, look.picture.size()) >= kLeastWay)
+    return;
+  compare(look, then, before, since_);
+  for (std::size_t i = 0; i < now_.total(); ++i) {
+    const float fades = static_cast<float>(kFades / kHeld) * held_age_.ptr<float>()[i];
+    float &now = now_.ptr<float>()[i];
+    now = std::max(now,
+                   alone * (1 - fades) * std::min(held_.ptr<float>()[i], since_.ptr<float>()[i]));
+  }
+}
+
+const cv::Mat &
+EventMap::operator()(const Look &look)
+{
+  const cv::Size size = look.contrast.size();
+  if (count_ > 0 && past_[latest_].lab.size() != look.picture.size())
+    reset();
+  for (Picture &picture : past_)
+    picture.age += look.elapsed;
+  map_.create(size, CV_32FC1);
+  const Picture *then = picture_before(kLag);
+  if (!then) {
+    for (cv::Mat *map : { &map_, &slow_, &held_, &held_age_ })
+      clear(size, *map);
+    keep(look);
+    return map_;
+  }
+  const Similarity before = motion_since(*then, look);
+  compare(look, *then, before, now_);
+  const double way = displacement(before, look.picture.size());
+  const double misfit = std::max(0.0, static_cast<double>(unexplained_.misfit()) - kLeastMisfit);
+  hold_onsets(look);
+  const auto keeps = static_cast<float>(std::exp2(-look.elapsed / kSmoothing));
+  const double travel = 1 + kTravel * misfit * std::min(1.0, way / kLeastWay);
+  const auto scale = static_cast<float>(1 / ((1 + way) * travel));
+  float most = 0;
+  for (std::size_t i = 0; i < now_.total(); ++i) {
+    const float now = now_.ptr<float>()[i];
+    float &slow = slow_.ptr<float>()[i];
+    slow = now + keeps * (slow - now);
+    map_.ptr<float>()[i] = scale * (now + slow) / 2;
+    most = std::max(most, now);
+  }
+  if (way > kLeastWay) // a place of the picture shows now this, now that
+    noise_.reset();
+  else
+    noise_.subtract(map_, look.elapsed);
+  energy_ = std::max(static_cast<double>(most), energy_ * std::exp2(-look.elapsed / kEnergyHalf));
+  keep(look);
+  return map_;
+}
+
+} // namespace saliency

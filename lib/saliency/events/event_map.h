@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "frame/lab_image.h"
+#include "saliency/events/noise_floor.h"
+#include "saliency/events/unexplained.h"
+#include "saliency/pyramid.h"
+#include "saliency/similarity.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace saliency {
+
+/// Events: what moves or appears by itself, where, and how strongly.
+class EventMap
+{
+public:
+  struct Look
+  {
+    const LabImage &picture; ///< at the level of the camera's motion, about 100 samples wide
+    const cv::Mat &contrast; ///< the spatial saliency map, `octaves` coarser
+    int octaves = 1;
+    Similarity pose{};  ///< the camera's, in samples of `picture` (CameraMotion::follow)
+    double elapsed = 0; ///< frames at 30 fps since the last look
+  };
+
+  /// The map of the next frame, of the size of Look::contrast (CV_32FC1, ≥ 0).
+  const cv::Mat &operator()(const Look &look);
+
+  /// What moves by itself now, in ΔE, without regard to whether the camera moves.
+  double energy() const
+  {
+    return energy_;
+  }
+
+  /// Drops the past: the next frame is a first one.
+  void reset();
+
+  /// Changes the frame of reference of all poses: `view` maps the old one to the new one.
+  void rebase(const Similarity &view);
+
+  /// The map of an event that is over is below the floor after so long, in frames at 30 fps.
+  static constexpr int kHold = 25;
+
+  /// How far an event reaches beyond what moves, in samples of a map of that size.
+  static int reach(cv::Size map);
+
+private:
+  struct Picture
+  {
+    double age = 0; ///< in frames at 30 fps
+    LabImage lab;
+    cv::Mat contrast;
+    Similarity pose;
+  };
+
+  void keep(const Look &look);
+  const Picture *picture_before(double lag) const;
+  Similarity motion_since(const Picture &then, const Look &look) const;
+  void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
+  void hold_onsets(const Look &look);
+  void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
+  void blur(cv::Mat &map);
+
+  static constexpr std::size_t kMostPictures = 18;
+  std::vector<Picture> past_; ///< a ring
+  std::size_t count_ = 0;
+  std::size_t latest_ = kMostPictures - 1;
+  Unexplained unexplained_;
+  NoiseFloor noise_;
+  std::array<Reduction, 3> reductions_;
+  std::array<cv::Mat, 3> pooled_;
+  double sigma_ = 0; ///< of the blur, in samples
+  std::vector<float> weights_;
+  cv::Mat along_rows_;
+  cv::Mat now_;
+  cv::Mat held_;     ///< the strongest event of the last half second
+  cv::Mat held_age_; ///< its age, in frames at 30 fps
+  cv::Mat since_;    ///< what changed in the last half second
+  cv::Mat slow_;
+  cv::Mat map_;
+  double energy_ = 0;
+};
+
+} // namespace saliency

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "frame/lab_image.h"
+#include "saliency/similarity.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <array>
+#include <vector>
+
+namespace saliency {
+
+/// What of the change between two pictures neither the camera, nor a change of exposure, nor noise
+/// explains.
+///
+/// The difference is compared with a model of its noise whose two terms the pictures themselves
+/// give: that of even parts, and that of texture, which grows with the gradient: a small error of
+/// the camera's motion, depth, a texture that stirs. So nothing has to decide whether the camera
+/// moves.
+class Unexplained
+{
+public:
+  /// Compares `now` with `then`, at a level about 100 samples wide, continuous and of one size.
+  /// `before`: where in `then` is what is at a sample of `now`.
+  ///
+  /// Returns by how much ΔE exceeds the noise, in ΔE (CV_32FC1, ≥ 0); 0 where `then` did not look.
+  const cv::Mat &operator()(const LabImage &now, const LabImage &then, const Similarity &before);
+
+  /// The difference at textured places in the last pictures, in samples of displacement: about .03
+  /// with a hand-held camera, .2 with one that travels.
+  float misfit() const
+  {
+    return misfit_;
+  }
+
+private:
+  void align(const LabImage &then, const Similarity &before);
+  void find_exposure(const cv::Mat &now);
+  void find_gradients(const cv::Mat &now);
+
+  std::array<cv::Mat, 3> warped_;
+  std::array<cv::Mat, 3> then_; ///< aligned with now: warped or not; NaN where it did not look
+  float gain_ = 1;
+  float offset_ = 0;
+  cv::Mat gradients_; ///< the larger of both pictures'
+  cv::Mat along_rows_;
+  cv::Mat around_; ///< the largest gradient around a sample
+  cv::Mat difference_;
+  std::vector<float> even_;
+  std::vector<float> textured_;
+  float misfit_ = 0;
+  cv::Mat beyond_;
+};
+
+} // namespace saliency
