@@ -9,10 +9,12 @@
  * asks for, else 3 × 3.
  *
  * ## What is felt
- * - Impacts and explosions: what fills all frequencies with noise at once, down to the lowest.
- *   Notes and voices do not. Felt as strong as what is louder than just before, while it lasts.
- * - Rumble: what stands out below 65 Hz: a large part of the sound, or an LFE channel's, and louder
- *   than in the seconds before. An engine that goes on fades within half a minute.
+ * - Impacts: explosions, blows, shots, doors, footsteps, as the detector learned them from real
+ *   sounds, and not notes, drums and voices. Felt as strong as what is louder than just before,
+ *   while it lasts, against how loud the film is.
+ * - Rumble: what below 65 Hz is like engines and thunder, and not like the bass of music, or comes
+ *   from an LFE channel, and is louder than in the seconds before. An engine that goes on fades
+ *   within half a minute.
  *
  * ## Where
  * Left and right are columns. Where there are loudspeakers behind the audience, the front is the

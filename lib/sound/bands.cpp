@@ -54,7 +54,7 @@ void
 Bands::analyze(BandPowers &powers)
 {
   powers.sum.fill(0);
-  powers.filled.fill(0);
+  powers.low_peak = 0;
   bin_powers_.fill(static_cast<float>(kSilence));
   for (std::size_t c = 0; c < channels_.size(); c++) {
     Channel &channel = channels_[c];
@@ -64,6 +64,7 @@ Bands::analyze(BandPowers &powers)
     Powers &power = powers.of[c];
     power[0] = low.deep;
     power[1] = low.bass;
+    powers.low_peak += low.peak;
     for (std::size_t band = 0; band + 1 < kOctaves.size(); band++) {
       const std::size_t end = std::min(kOctaves[band + 1], bins_);
       float sum = 0;
@@ -82,7 +83,6 @@ Bands::analyze(BandPowers &powers)
     const std::size_t to = band + kLowBands;
     const std::size_t end = std::min(kOctaves[band + 1], bins_);
     if (kOctaves[band] >= end) {
-      powers.filled[to] = powers.filled[to - 1];
       powers.uneven[to] = powers.uneven[to - 1];
       continue;
     }
@@ -94,8 +94,8 @@ Bands::analyze(BandPowers &powers)
       powers.bins[bin] = 10 * std::log10(bin_powers_[bin]);
       logarithms += powers.bins[bin];
     }
-    powers.filled[to] = static_cast<double>(logarithms) / count;
-    powers.uneven[to] = 10 * std::log10(static_cast<double>(sum) / count) - powers.filled[to];
+    powers.uneven[to] = 10 * std::log10(static_cast<double>(sum) / count)
+                        - static_cast<double>(logarithms) / count;
   }
   for (std::size_t bin = std::max(bins_, kOctaves.front() * 2); bin < kOctaves.back(); bin++)
     powers.bins[bin] = powers.bins[bin / 2];

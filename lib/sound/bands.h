@@ -37,10 +37,10 @@ inline constexpr std::array<std::size_t, kBands - kLowBands + 1> kOctaves{
 struct BandPowers
 {
   std::array<Powers, kMaxSpeakers> of{};
-  Powers sum{}; ///< of all channels
-  /// Of the octaves: the mean of their bins' powers in dB. Noise raises it more than tones do.
-  Powers filled{};
-  /// How much more the mean power of a bin is than that, dB: 2.5 of noise, more of tones.
+  Powers sum{};        ///< of all channels
+  double low_peak = 0; ///< the largest square of a sample of 18–130 Hz
+  /// Of the octaves: how much more the mean power of a bin is than the mean of their bins' powers
+  /// in dB: 2.5 of noise, more of tones.
   Powers uneven{};
   BinLevels bins{};
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if

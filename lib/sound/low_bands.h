@@ -3,6 +3,7 @@
 
 #include "sound/resampler.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -70,6 +71,7 @@ public:
   {
     double deep = 0; ///< 18–65 Hz, mean square
     double bass = 0; ///< 65–130 Hz
+    double peak = 0; ///< the largest square of a sample of both
   };
 
   void add(double sample)
@@ -79,12 +81,13 @@ public:
     const double bass = bass_[2].pass(bass_[1].pass(bass_[0].pass(above)));
     sums_.deep += deep * deep;
     sums_.bass += bass * bass;
+    sums_.peak = std::max(sums_.peak, (deep + bass) * (deep + bass));
   }
 
   /// Of what was added since the last call.
   Powers take(int samples)
   {
-    const Powers result{ sums_.deep / samples, sums_.bass / samples };
+    const Powers result{ sums_.deep / samples, sums_.bass / samples, sums_.peak };
     sums_ = {};
     floor_.settle();
     for (Biquad &section : deep_)

@@ -5,29 +5,37 @@
 
 namespace sound {
 
-/// Finds impacts and explosions in band powers, and tells them from voices and notes.
-///
-/// An impact fills all bands with noise at once, down to the deepest. A note leaves gaps between
-/// its partials; a voice has little below 65 Hz and rises at some frequencies first. So linear
-/// scores of the same features all have to be above 0 (onset_weights.h).
+/// Finds impacts of every kind in band powers, explosions and shots among them, and tells them from
+/// voices, notes and drums: one hidden layer of what OnsetFeatures knows (onset_weights.h), learned
+/// from real sounds by tests/sound/train.py.
 class OnsetDetector
 {
 public:
-  static constexpr int kAhead = OnsetFeatures::kAhead;
   /// No second onset within this time.
-  static constexpr int kDeadHops = 16;
+  static constexpr int kDeadHops = 30;
+
+  static constexpr int kAhead = OnsetFeatures::kAhead;
+
+  OnsetDetector()
+  {
+    reset();
+  }
 
   /// Takes the next hop. True if an impact was heard in the hop kAhead before it.
   bool add(const BandPowers &powers);
 
-  /// Powers in the last 45 ms before the hop that add() spoke of, the largest of each band.
-  const Powers &before() const;
+  /// Powers in the last 50 ms before the hop that add() spoke of, the largest of each band.
+  const Powers &before() const
+  {
+    return features_.before();
+  }
 
   void reset();
 
 private:
   OnsetFeatures features_;
-  int dead_ = 0; ///< hops until the next onset may come
+  std::array<float, 3> scores_{}; ///< of the newest hops: what is an impact in one only is chance
+  int dead_ = 0;                  ///< hops until the next onset may come
 };
 
 } // namespace sound

@@ -4,64 +4,95 @@
 #include "sound/bands.h"
 
 #include <array>
+#include <span>
 
 namespace sound {
 
-inline constexpr int kFeatures = 46;
-
-/// What tells impacts from voices and notes, about one moment: in dB, except those marked.
-using Features = std::array<double, kFeatures>;
-
-/// Band powers over time → the features of each moment at which an impact may begin.
+/// Band powers over time → what tells impacts from voices, notes and drums about each moment.
+///
+/// Levels are compared with those just before, with what is usual (running quantiles) and with the
+/// loudest, which is forgotten. All is in dB but for voicing, which counts 10 if it is full.
 class OnsetFeatures
 {
 public:
   /// Hops after a moment that have to be known.
   static constexpr int kAhead = 2;
 
-  /// Takes the next hop. True if the octaves from 1 kHz became fuller in the hop kAhead before it.
+  static constexpr int kCount = 99;
+
+  OnsetFeatures();
+
+  /// Takes the next hop. True if anything rises about the hop kAhead before it.
   bool add(const BandPowers &powers);
 
   /// Of that hop, once add() was true.
-  const Features &features() const;
+  std::span<const float, kCount> features() const
+  {
+    return features_;
+  }
 
-  /// Powers in the last 45 ms before that hop, the largest of each band.
-  const Powers &before() const;
+  /// Powers in the last 50 ms before an impact at that hop, the largest of each band.
+  const Powers &before() const
+  {
+    return before_;
+  }
 
   void reset();
 
+  static constexpr int kNow = 5; ///< newest hops that an impact may fill
+  static constexpr int kGap = 6; ///< from here to kPast before the newest is what was before it
+  static constexpr int kPast = 15;
+
 private:
-  static constexpr int kGap = 2;     ///< hops before a moment that may belong to it
-  static constexpr int kPast = 9;    ///< hops before a moment that it is compared with
-  static constexpr int kLongGap = 3; ///< the same for its mean
-  static constexpr int kLongPast = 20;
-  static constexpr int kHeld = kLongPast + kAhead + 1;
-  static constexpr double kWholeFloor = -60; ///< dB
+  static constexpr int kHeld = kPast + 1;
+  static constexpr std::size_t kFine = 12;      ///< bands of single bins' mean levels
+  static constexpr std::size_t kWhole = kBands; ///< index of all bands' level
+  static constexpr std::size_t kLevels = kWhole + 1;
+  static constexpr float kFloor = -75; ///< dB; what is below counts as that
+
+  using Levels = std::array<float, kLevels>;
+
+  /// What is usual of a level: quantiles that follow it, and the loudest.
+  struct Usual
+  {
+    Levels half{};
+    Levels most{};
+    Levels nearly_all{};
+    Levels loudest{};
+  };
 
   struct Hop
   {
-    Powers db{};     ///< of BandPowers::sum
-    Powers filled{}; ///< dB
-    Powers uneven{}; ///< dB
     Powers power{};
-    double voicing = 0;
-    double spoken = 0;               ///< how much of the last half second was voiced
-    double whole = kWholeFloor;      ///< dB of all bands
-    double loudest = kWholeFloor;    ///< the most of that; forgotten by 10 dB a second
-    double loud_voice = kWholeFloor; ///< the same of what was voiced
-    BinLevels bins{};
+    Levels db{};
+    std::array<float, kFine> fine{};
+    Powers uneven{};
+    Usual usual;
+    float voicing = 0;
+    float spoken = 0;       ///< how much of the last half second was voiced
+    float loud_voice = -60; ///< dB of the loudest vowel; forgotten by 10 dB a second
   };
 
-  /// The hop `ago` before the newest.
+  using Shape = std::array<float, kLowBands + kFine>; ///< levels of fine bands, dB
+  static constexpr std::size_t kStrokes = 32;
+
   const Hop &hop(int ago) const;
-  void follow_voices(double voicing);
+  void follow(const BandPowers &powers);
   bool compare();
-  Powers risen_bins() const;
+  void remember(const Shape &shape);
+  void compare_strokes(const Shape &shape, float *out) const;
 
   std::array<Hop, kHeld> hops_{};
   int newest_ = 0;
   int known_ = 0; ///< hops since the reset, up to kHeld
-  Features features_{};
+  float flux_95_ = 0;
+  float flux_99_ = 0;
+  float flux_most_ = 0;
+  std::array<float, kPast> fluxes_{}; ///< the newest first
+  std::array<Shape, kPast> shapes_{}; ///< of the same hops
+  std::array<Shape, kStrokes> strokes_{};
+  std::size_t newest_stroke_ = 0; ///< how many there were
+  std::array<float, kCount> features_{};
   Powers before_{};
 };
 

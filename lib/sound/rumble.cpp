@@ -2,6 +2,10 @@
 #include "sound/rumble.h"
 
 #include "sound/level.h"
+#include "sound/rumble_weights.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace sound {
 
@@ -11,12 +15,16 @@ constexpr double kHopS = 0.005;
 constexpr double kSmoothS = 0.08;
 /// The weakest that is felt, dB of full scale.
 constexpr double kLeastDb = -36;
-/// It begins to be a large part of the sound at the first, and ceases at the second, dB.
-constexpr double kLargeDb = -3;
-constexpr double kSmallDb = -10;
-/// It has to last this long where a vowel was as loud: a puff of breath into a microphone lasts 20
-/// to 100 ms.
+/// Once it is rumble, its score may fall so low; lower while it only fades, within so many dB, by
+/// so many dB in a hop at least.
+constexpr float kHolds = -1;
+constexpr double kFadesDb = 3;
+constexpr double kFadingDb = 0.06;
+/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, then within
+/// 5 dB, and to last this long: a puff of breath into a microphone lasts 20 to 100 ms.
 constexpr int kLeastHops = 40;
+constexpr double kOverMiddle = 2;
+constexpr double kHoldsMiddle = 3.2;
 constexpr double kVoiced = 0.8;       ///< voicing of vowels
 constexpr double kForgotten = 0.9886; ///< of a vowel's power in a hop: 10 dB a second
 /// It lasts until what is smoothed less falls so far below what is smoothed more, dB.
@@ -34,6 +42,17 @@ double
 share_in(double seconds)
 {
   return 1 - std::exp(-kHopS / seconds);
+}
+
+/// How much it is like engines and thunder, and not like music and voices: above 0 if more.
+float
+score_of(std::span<const float> features)
+{
+  float score = kRumbleOffset;
+  for (std::size_t i = 0; i < kRumbleWeights.size(); i++)
+    score += kRumbleWeights[i]
+             * std::clamp((features[i] - kRumbleMean[i]) * kRumbleScale[i], -3.0F, 3.0F);
+  return score;
 }
 
 } // namespace
@@ -58,14 +77,19 @@ Rumble::add(const BandPowers &powers, double gain_db)
     effects += is_low_[c] ? deep_[c] : 0;
   }
   middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
-  is_large_ = decibels(deep) - decibels(middle_) > (is_large_ ? kSmallDb : kLargeDb);
+  const float score = score_of(features_.add(powers).subspan(1));
   const double heard = std::max(decibels(deep), kSilenceDb);
+  // What else comes does not end an explosion that dies away.
+  fading_ = score > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
+  is_rumble_ = score > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
-  const bool goes_on = is_large_ && decibels(deep) + gain_db >= kLeastDb;
-  lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
   vowel_ *= kForgotten;
   if (powers.voicing > kVoiced)
     vowel_ = std::max(vowel_, middle_);
+  const bool goes_on
+      = is_rumble_ && decibels(deep) + gain_db >= kLeastDb
+        && (vowel_ < deep || middle_ < (is_felt_ ? kHoldsMiddle : kOverMiddle) * deep);
+  lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
   is_felt_ = goes_on && (is_felt_ || lasted_ >= kLeastHops || vowel_ < deep);
   const double felt = is_felt_ ? deep : effects;
   if (decibels(felt) + gain_db < kLeastDb)
@@ -83,13 +107,15 @@ Rumble::powers() const
 void
 Rumble::reset()
 {
+  features_.reset();
   deep_.fill(0);
   quick_ = 0;
   middle_ = 0;
   vowel_ = 0;
   lasted_ = 0;
+  fading_ = kSilenceDb;
   floor_ = kSilenceDb;
-  is_large_ = false;
+  is_rumble_ = false;
   is_felt_ = false;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "sound/bands.h"
+#include "sound/rumble_features.h"
 
 #include <array>
 #include <span>
@@ -9,8 +9,9 @@
 
 namespace sound {
 
-/// What of a sound below 65 Hz is felt as rumble: what makes a large part of the whole sound, or
-/// comes from a channel for low frequency effects, and stands out from what was heard for long.
+/// What of a sound below 65 Hz is felt as rumble: what is like engines and thunder and unlike the
+/// bass of music and a narrator's room, or comes from a channel for low frequency effects, and
+/// stands out from what was heard for long.
 /// Where somebody speaks as loud, it has to last.
 class Rumble
 {
@@ -26,6 +27,7 @@ public:
   void reset();
 
 private:
+  RumbleFeatures features_;
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
   double quick_ = 0;  ///< power below 65 Hz, smoothed less
@@ -33,7 +35,8 @@ private:
   double floor_ = 0;  ///< what was heard for long, dB
   double vowel_ = 0;  ///< power of the loudest vowel, which is forgotten
   int lasted_ = 0;    ///< hops
-  bool is_large_ = false;
+  double fading_ = 0; ///< the weakest since it was like rumble, dB
+  bool is_rumble_ = false;
   bool is_felt_ = false;
 };
 

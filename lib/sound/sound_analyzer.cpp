@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kHopS = 0.005;
 /// An impact is over when its level is below this, but not before kLeastHops.
-constexpr double kOver = 0.25;
+constexpr double kOver = 0.1;
 constexpr int kLeastHops = 12;
-/// An impact is loudest within this time, and over when it has fallen by 12 dB, or when what is
-/// heard from 500 Hz to 4 kHz are tones: then it is a voice that sounded like an impact at first,
-/// or music.
-constexpr int kAttackHops = 3;
+/// An impact is loudest within this time (explosions rise in 76 ms), and over when it has fallen
+/// by 12 dB, or when what is heard from 500 Hz to 4 kHz are tones: then it is a voice that
+/// sounded like an impact at first, or music.
+constexpr int kAttackHops = 16;
 constexpr double kFaded = 0.063;
 constexpr double kTonal = 5.5; ///< mean BandPowers::uneven, dB
 constexpr double kSmooth = 0.3;
@@ -58,6 +58,7 @@ SoundAnalyzer::reset()
   hop_ = 0;
   impact_ = {};
   rumble_.reset();
+  loudness_.reset();
 }
 
 const BandPowers &
@@ -91,13 +92,15 @@ SoundAnalyzer::add(std::span<const float> frames, const FeelSettings &settings)
 Moment
 SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
 {
+  constexpr int ahead = OnsetDetector::kAhead;
   Moment moment;
-  moment.begin = (hop_ - 1 - OnsetDetector::kAhead) * kHopTime;
+  moment.begin = (hop_ - 1 - ahead) * kHopTime;
   moment.onset = onset && settings.impacts;
   if (moment.onset)
     begin_impact();
-  const double impact = feel_impact(settings);
-  const double heard = rumble_.add(powers(OnsetDetector::kAhead), settings.gain_db);
+  const double gain_db = settings.gain_db + loudness_.add(powers(ahead));
+  const double impact = feel_impact(gain_db);
+  const double heard = rumble_.add(powers(ahead), gain_db);
   const double rumble = settings.rumble ? heard : 0;
   moment.level = static_cast<float>(std::max(impact, rumble));
   if (impact >= rumble)
@@ -111,14 +114,15 @@ void
 SoundAnalyzer::begin_impact()
 {
   impact_ = { .lasts = true, .before = detector_.before() };
+  const int newest = OnsetDetector::kAhead - OnsetFeatures::kAhead;
   std::array<double, kMaxSpeakers> rises{};
   for (std::size_t c = 0; c < speakers_.size(); c++)
     for (std::size_t band = 1; band < kBands; band++) {
       double now = 0;
       double before = 0;
-      for (int ago = 0; ago <= OnsetDetector::kAhead; ago++)
+      for (int ago = newest; ago < newest + OnsetFeatures::kNow; ago++)
         now = std::max(now, powers(ago).of[c][band]);
-      for (int ago = OnsetDetector::kAhead + 2; ago < kHeld; ago++)
+      for (int ago = newest + OnsetFeatures::kGap; ago <= newest + OnsetFeatures::kPast; ago++)
         before = std::max(before, powers(ago).of[c][band]);
       // Bands in which the impact stands out count most.
       rises[c] += std::max(0.0, now - before) / (impact_.before[band] + 1e-9);
@@ -128,30 +132,29 @@ SoundAnalyzer::begin_impact()
 }
 
 double
-SoundAnalyzer::feel_impact(const FeelSettings &settings)
+SoundAnalyzer::feel_impact(double gain_db)
 {
   if (!impact_.lasts)
     return 0;
-  const Powers &now = powers(OnsetDetector::kAhead).sum;
+  constexpr int ahead = OnsetDetector::kAhead;
   double excess = 0;
   for (std::size_t band = 0; band < kBands; band++) {
-    // The loudest until now's analysis ends: an impact begins at once.
-    double power = now[band];
+    double power = powers(ahead).sum[band];
+    // All that the detector took for its begin.
     if (impact_.hops == 0)
-      for (int ago = 0; ago < OnsetDetector::kAhead; ago++)
-        power = std::max(power, powers(ago).sum[band]);
+      for (int ago = 0; ago < OnsetFeatures::kNow; ago++)
+        power = std::max(power, powers(ahead - OnsetFeatures::kAhead + ago).sum[band]);
     excess += std::max(0.0, power - impact_.before[band]);
   }
-  // It only fades: what gets louder after its begin is something else.
+  // Then it only fades: what gets louder is something else.
   if (impact_.hops < kAttackHops) {
     impact_.smooth = impact_.power = impact_.loudest = std::max(impact_.loudest, excess);
   } else {
     impact_.smooth += kSmooth * (excess - impact_.smooth);
     impact_.power = std::min(impact_.power, impact_.smooth);
   }
-  impact_.level
-      = std::max(level_of(impact_.power, settings.gain_db), impact_.level - kHopS / kFallS);
-  const Powers &uneven = powers(OnsetDetector::kAhead).uneven;
+  impact_.level = std::max(level_of(impact_.power, gain_db), impact_.level - kHopS / kFallS);
+  const Powers &uneven = powers(ahead).uneven;
   const bool is_tonal = (uneven[4] + uneven[5] + uneven[6]) / 3 > kTonal;
   const bool goes_on
       = impact_.power > kFaded * impact_.loudest && impact_.level >= kOver && !is_tonal;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sound/bands.h"
+#include "sound/loudness.h"
 #include "sound/onset_detector.h"
 #include "sound/place.h"
 #include "sound/rumble.h"
@@ -51,7 +52,7 @@ public:
   void reset();
 
 private:
-  static constexpr int kHeld = 12; ///< hops
+  static constexpr int kHeld = OnsetFeatures::kPast + 1; ///< hops
 
   /// An impact while it lasts.
   struct Impact
@@ -69,7 +70,7 @@ private:
   const BandPowers &powers(int ago) const;
   Moment analyze(bool onset, const FeelSettings &settings);
   void begin_impact();
-  double feel_impact(const FeelSettings &settings);
+  double feel_impact(double gain_db);
 
   std::vector<Speaker> speakers_;
   bool has_rear_;
@@ -81,6 +82,7 @@ private:
   std::int64_t hop_ = 0; ///< the next
   Impact impact_;
   Rumble rumble_;
+  Loudness loudness_;
   std::vector<Moment> moments_;
 };
 

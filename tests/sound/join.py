@@ -6,20 +6,22 @@ Usage: join.py RATE JOINED.wav RECORDING ...      names that end in .raw have 16
 
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 from scipy.io import wavfile
 
 rate, joined, *names = sys.argv[1:]
-parts = []
-for name in names:
-    raw = ["-f", "s16le", "-ar", rate] if name.endswith(".raw") else []
-    decoded = subprocess.run(
-        ["ffmpeg", "-v", "error", *raw, "-i", name, "-f", "s16le", "-ac", "1", "-ar", rate, "-"], check=True, stdout=subprocess.PIPE
-    )
-    samples = np.frombuffer(decoded.stdout, "<i2").astype(float)
-    parts.append(samples - samples.mean())
-    if sum(map(len, parts)) >= 60 * int(rate):
-        break
+inputs, outputs, parts = [], [], []
+with tempfile.TemporaryDirectory() as folder:
+    for i, name in enumerate(names):
+        raw = ["-f", "s16le", "-ar", rate] if name.endswith(".raw") else []
+        inputs += [*raw, "-i", name]
+        outputs += ["-map", f"{i}:a", "-f", "s16le", "-ac", "1", "-ar", rate, f"{folder}/{i}"]
+    # One process for all: a start takes longer than a recording.
+    subprocess.run(["ffmpeg", "-v", "error", *inputs, *outputs], check=True)
+    for i in range(len(names)):
+        samples = np.fromfile(f"{folder}/{i}", "<i2").astype(float)
+        parts.append(samples - samples.mean())
 samples = np.concatenate(parts)[: 60 * int(rate)]
 wavfile.write(joined, int(rate), np.clip(np.round(samples), -32768, 32767).astype(np.int16))

@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Writes the sounds that sound_real judges: those of packages that nothing is learned or chosen from, and people's voices.
+"""Writes the sounds that sound_real judges: those of packages that nothing was learned or chosen from, and people's voices.
 
-Usage: real_mixes.py CACHE FOLDER      CACHE keeps packages, which apt-get gets; FOLDER/index: group, file, name, seconds of the
-onsets, with tabs between"""
+Usage: real_mixes.py CACHE FOLDER      FOLDER/index: group, file, name, seconds of the onsets, with tabs between"""
 
 import pathlib
 import sys
@@ -47,8 +46,8 @@ def normal(samples, peak_db=-3):
 for seed in range(MINUTES):
     rng = np.random.default_rng(9000 + seed)
     for group, kind, ratio in (("silence", "silence", 0), ("music +6 dB", "music", 6), ("music 0 dB", "music", 0), ("music −6 dB", "music", -6), ("speech 0 dB", "speech", 0)):
-        samples, truth = mixed(bed_of(kind, of, 60, rng), effects, ratio, rng, APART)
-        write(group, normal(samples), truth)
+        samples, truth = mixed(bed_of(kind, of, 60, rng), effects, ratio, rng, APART, plain=True)
+        write(group, normal(samples), [at for at, *_ in truth])
     for kind in ("music", "speech", "both"):
         write({"both": "narrator"}.get(kind, kind + " alone"), normal(bed_of(kind, of, 60, rng)))
 quiet = np.zeros(int(0.8 * RATE), np.float32)

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "sound/bands.h"
+
+#include <array>
+#include <span>
+
+namespace sound {
+
+/// Band powers over time → what tells engines, thunder and explosions from the bass of music and
+/// from voices.
+class RumbleFeatures
+{
+public:
+  /// Of all, the first is what is below 65 Hz, in dB: it tells whether there is anything.
+  enum Index
+  {
+    deep,
+    over_middle,  ///< dB more below 65 Hz than from 65 Hz to 1 kHz
+    over_high,    ///< than from 1 kHz up
+    over_bass,    ///< than from 65 to 130 Hz
+    crest,        ///< peak over mean power of 18–130 Hz in 0.4 s, dB: music beats
+    voicing,      ///< of 0.1 s, 10 if it is full
+    uneven,       ///< dB: of tones
+    varying,      ///< how much the amplitude below 65 Hz varies in 0.4 s, 10 times what it is
+    over_seconds, ///< dB more below 65 Hz than in the last 2 s
+    count,
+  };
+
+  /// Takes the next hop. What is known up to it; valid until the next call.
+  std::span<const float, count> add(const BandPowers &powers);
+
+  void reset()
+  {
+    *this = RumbleFeatures();
+  }
+
+private:
+  static constexpr std::size_t kPart = 4;   ///< hops
+  static constexpr std::size_t kParts = 20; ///< 0.4 s
+
+  /// Of kPart hops.
+  struct Part
+  {
+    double deep = 0;
+    double low = 0; ///< 18–130 Hz
+    double peak = 0;
+  };
+
+  void follow_parts(const BandPowers &powers);
+
+  Powers smooth_{};
+  double voicing_ = 0;
+  double uneven_ = 0;
+  double seconds_ = -70; ///< dB
+  std::array<Part, kParts> parts_{};
+  Part part_;
+  std::size_t hops_ = 0;
+  double crest_ = 0;
+  double varying_ = 0;
+  std::array<float, count> features_{};
+};
+
+} // namespace sound
