@@ -256,7 +256,7 @@ const std::array kCases{
         },
         0, 0, kFloorEnds },
   Case{ "still", [] { return disturbed(quality::Disturbance::still); }, 2 },
-  Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kPan, 0.65, 1.2, 0.007,
+  Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kPan, 0.7, 1.2, 0.007,
         kPanSame },
 };
 
