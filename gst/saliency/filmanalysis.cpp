@@ -211,8 +211,10 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
                               .horizontal = { shown.x, shown.width },
                               .vertical = { shown.y, shown.height },
                               .strength = found.strength };
-  if (found.peak > 0) // weights of regions and people change how strong the strongest is
-    view.strength *= view.peak() / found.peak;
+  // Weights of regions and people change how strong the strongest is. A map below the floor is
+  // noise, which people raise to an event of their own.
+  if (const double peak = std::max(found.peak, how.floor); peak > 0)
+    view.strength *= view.peak() / peak;
   how.floor = density_.follow(view, how.floor, settings.density, time);
   tactile::Viewport viewport;
   if (settings.viewport == ViewportMode::adaptive)

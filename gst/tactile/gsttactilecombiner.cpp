@@ -288,7 +288,8 @@ end_film(GstTactileCombiner *self)
 static bool
 is_gap(GstBuffer *frame)
 {
-  return GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(frame) == 0;
+  return GST_BUFFER_FLAG_IS_SET(frame, GST_BUFFER_FLAG_GAP) && GST_BUFFER_PTS_IS_VALID(frame)
+         && gst_buffer_get_size(frame) == 0;
 }
 
 /* Makes a GAP event of it again, behind what GstAggregator sends before it. */

@@ -140,6 +140,7 @@ TactorPlanning::silenced(Time since)
 void
 TactorPlanning::flushed(Time at, bool resets_time)
 {
+  standing_.restart();
   if (resets_time)
     planner_->reset(at);
   else

@@ -78,7 +78,8 @@ SettingsFile::values(const std::string &section, std::vector<std::string> &compl
     g_autofree gchar *value = g_key_file_get_string(file_.get(), section.c_str(), *name, nullptr);
     if (value == nullptr && key->kind == Kind::path) { // which may be no UTF-8
       g_autofree gchar *bytes = g_key_file_get_value(file_.get(), section.c_str(), *name, nullptr);
-      value = bytes ? g_strcompress(bytes) : nullptr;
+      if (bytes && !g_utf8_validate(bytes, -1, nullptr) && !g_str_has_suffix(bytes, "\\"))
+        value = g_strcompress(bytes);
     }
     if (value && takes(*key, value))
       values[*name] = value;

@@ -23,8 +23,8 @@ struct Saliency
   /// the units of N(·) if the profile normalizes.
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
-  /// How strong the events are, ≥ 0: 1 is as strong as the strongest of the film's last minutes. 0
-  /// if the profile does not tell.
+  /// How strong the events are, ≥ 0, relative to the film's last minutes (Strength). 0 if the
+  /// profile has no events.
   double strength = 0;
   /// The picture's rectangle in the map, where sample i covers [i, i + 1). Sample i of level n is
   /// centered on pixel 2ⁿ·i, so the picture's edges are not the map's.

@@ -26,8 +26,7 @@ struct SaliencyView
   Extent horizontal;
   Extent vertical;
 
-  double strength
-      = 0; ///< of what happens, for Gain::relative; 1: as strong as it gets in this film
+  double strength = 0; ///< of the strongest event, for Gain::relative (saliency::Strength)
 
   bool empty() const
   {

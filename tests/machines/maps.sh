@@ -43,10 +43,10 @@ contracted=$(grep '"command":' "$cross/compile_commands.json" | grep -vc -- '-ff
 
 frames=30
 drawn() {
-  ffmpeg -v error -f lavfi -i "$2:size=320x240:rate=30" -frames:v $frames -pix_fmt yuv420p -f rawvideo "$work/$1.i420"
+  ffmpeg -v error -f lavfi -i "$2:rate=30" -vf scale=320:240:flags=neighbor -frames:v $frames -pix_fmt yuv420p -f rawvideo "$work/$1.i420"
 }
-drawn chart testsrc2=sar=1
-drawn life life=seed=3:mold=10:death_color=blue:life_color=yellow
+drawn chart testsrc2=size=320x240
+drawn life life=size=20x15:seed=3:mold=10:death_color=blue:life_color=yellow # of large squares: small ones are noise
 
 # maps PROGRAM... FILM PROFILE OUT: maps into OUT, levels into OUT.levels
 maps() {

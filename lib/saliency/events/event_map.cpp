@@ -8,12 +8,12 @@ namespace saliency {
 
 namespace {
 
-constexpr double kLag = 2.4;          ///< between the pictures that are compared, frames at 30 fps
-constexpr double kShortestStep = 0.9; ///< between pictures that are kept
-constexpr float kMost = 31;           ///< ΔE of a sample: an event is larger, not brighter
-constexpr double kSmoothing = 3;      ///< half-life of the map, frames at 30 fps
-constexpr double kEnergyHalf = 1.5;   ///< the same of the energy
-constexpr double kBlur = 0.0375;      ///< σ in widths of the picture
+constexpr double kLag = 2.4;           ///< between the pictures that are compared, frames at 30 fps
+constexpr double kShortestStep = 0.45; ///< between pictures that are kept
+constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger, not brighter
+constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
+constexpr double kEnergyHalf = 1.5;    ///< the same of the energy
+constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
 // A thing that appears and stands is held for so long, in frames at 30 fps, more weakly toward the
 // end, while nothing else is as strong as this in ΔE.
 constexpr double kHeld = 15;

@@ -31,7 +31,8 @@ public:
   /// The map of the next frame, of the size of Look::contrast (CV_32FC1, ≥ 0).
   const cv::Mat &operator()(const Look &look);
 
-  /// What moves by itself now, in ΔE, without regard to whether the camera moves.
+  /// The strongest that moves by itself now, in ΔE: without regard to whether the camera moves, and
+  /// before the noise floor.
   double energy() const
   {
     return energy_;
@@ -66,7 +67,7 @@ private:
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void blur(cv::Mat &map);
 
-  static constexpr std::size_t kMostPictures = 18;
+  static constexpr std::size_t kMostPictures = 36;
   std::vector<Picture> past_; ///< a ring
   std::size_t count_ = 0;
   std::size_t latest_ = kMostPictures - 1;

@@ -146,7 +146,9 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   difference_.create(size, CV_32FC1);
   beyond_.create(size, CV_32FC1);
   even_.clear();
+  even_.reserve(difference_.total()); // a later picture may have more
   textured_.clear();
+  textured_.reserve(difference_.total());
   std::array<int, static_cast<std::size_t>(kParts * kParts)> parts{};
   const bool chroma = !then_[1].empty() && !now.planes[1].empty();
   for (int y = 0; y < size.height; ++y) {

@@ -287,8 +287,10 @@ GST_END_TEST;
 
 GST_START_TEST(test_sizes)
 {
+  // Two pictures of each size and kind, so that they are compared, one analyzer for all.
   for (const auto &profile : { Profile::tuned(), Profile::paper() }) {
     Analyzer analyzer(profile);
+    Time time(0);
     for (const auto &[width, height] : { std::pair{ 1, 1 },
                                          { 1, 2 },
                                          { 2, 1 },
@@ -298,15 +300,15 @@ GST_START_TEST(test_sizes)
                                          { 17, 5 },
                                          { 321, 241 },
                                          { 640, 3 } })
-      for (int i = 0; i < 3; ++i)
-        for (const bool temporal : { false, true }) {
+      for (const bool temporal : { false, true })
+        for (int i = 0; i < 4; ++i) {
+          time += kSecond / 30;
           Frame frame(width, height, static_cast<std::uint8_t>(16 + 60 * i));
-          frame.disc(width / 3.0, height / 2.0, 1 + width / 8.0, { 200, 60, 220 });
-          const auto &result
-              = analyzer.analyze(frame.view(), i * kSecond / 30 + (temporal ? Time(1) : Time(0)),
-                                 kSecond / 30, temporal);
+          frame.disc(width / 3.0 + i, height / 2.0, 1 + width / 8.0, { 200, 60, 220 });
+          const auto &result = analyzer.analyze(frame.view(), time, kSecond / 30, temporal);
           fail_unless(!result.map.empty() && result.map.type() == CV_32FC1);
           fail_unless(cv::checkRange(result.map, true, nullptr, 0, 1e4)); // finite and ≥ 0
+          fail_unless(std::isfinite(result.strength) && result.strength >= 0);
           double highest = 0;
           cv::minMaxLoc(result.map, nullptr, &highest);
           fail_unless_near(result.peak, highest, 0);

@@ -226,7 +226,7 @@ struct Case
   double onset = 0;       ///< s, if longer than a frame
   double largest = 0;     ///< level
   double mean = 1;        ///< factor
-  double outside = 0.005; ///< share of levels: noise decides when an event ends
+  double outside = 0.007; ///< share of levels: noise decides when an event ends
   double same = 1;        ///< factor
 };
 
@@ -256,7 +256,7 @@ const std::array kCases{
         },
         0, 0, kFloorEnds },
   Case{ "still", [] { return disturbed(quality::Disturbance::still); }, 2 },
-  Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kPan, 0.65, 1.2, 0.005,
+  Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kPan, 0.7, 1.2, 0.007,
         kPanSame },
 };
 

@@ -146,7 +146,7 @@ GST_START_TEST(test_reach_and_hold)
   const TopDownSaliency paper(Profile::paper());
   fail_unless_near(paper.reach({ 40, 30 }), 8, 0);
   fail_unless(paper.hold() == Time(64'000'000'000 / 30));
-  // Without temporal contrast nothing of the last frame remains.
+  // In single pictures nothing of the last frame remains.
   for (const Profile &profile : { Profile::tuned_spatial(), Profile::paper() })
     fail_unless(TopDownSaliency(profile, false).hold() == Time(0));
 }
@@ -171,8 +171,7 @@ GST_START_TEST(test_regions_stay_for_frames)
 }
 GST_END_TEST;
 
-/// A region keeps its effect for the longest temporal window, at any rate, also at its former
-/// places.
+/// A region keeps its effect for as long as an event lasts, at any rate, also at its former places.
 GST_START_TEST(test_regions_stay)
 {
   const cv::Size frame(320, 64);
