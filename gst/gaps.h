@@ -3,8 +3,8 @@
 
 #include <gst/gst.h>
 
-/// Whether a GAP stands for what was lost on the way rather than for nothing to be felt. What was
-/// before holds, as it does where no data come.
+/// Whether a GAP stands for lost data rather than for silence. The last map then holds, as it does
+/// without data.
 inline bool
 is_loss(GstEvent *gap)
 {

@@ -22,7 +22,7 @@ public:
   HeldStream(const HeldStream &) = delete;
   HeldStream &operator=(const HeldStream &) = delete;
 
-  /// What is held at most. With a buffer more, all passes; with an event, what came first.
+  /// Limit of held items. One buffer above it releases all of them, one event the oldest item.
   static constexpr std::size_t kMost = 4096;
 
   /// Takes a buffer, and passes those that `time` of the stream follows. Buffers without a duration

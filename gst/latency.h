@@ -3,10 +3,10 @@
 
 #include <gst/gst.h>
 
-/// Latency queries, as elements ask and answer them.
+/// Latency queries: sending and answering.
 namespace latency {
 
-/// Of a query that was answered.
+/// The latency of an answered query.
 inline bool
 is_live(GstQuery *answered)
 {

@@ -260,7 +260,7 @@ private:
   }
 };
 
-/// What the properties' functions need of an element.
+/// The functions of an element that its properties call.
 template <typename Settings> struct Element
 {
   Settings &(*settings)(GObject *); ///< guarded by the object lock

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-/// What of a film's sound is felt. The values are 0 for nothing, else 1 + a profile's index.
+/// Which part of a film's sound is felt. The values are 0 for none, else 1 + a profile's index.
 enum class SoundMode
 {
   off,

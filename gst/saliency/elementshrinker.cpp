@@ -21,7 +21,7 @@ constexpr Scaler kScalers[] = {
   { "memory:VASurface", "vaapipostproc", "memory:VASurface" },
 };
 
-/// What is read: two planes in 4:2:0.
+/// The format that is read: two planes in 4:2:0.
 constexpr const char *kRead = "NV12";
 
 struct Size
@@ -44,7 +44,7 @@ public:
     gst_pad_set_query_function(entrance_, ask_neighbors);
     gst_pad_set_element_private(exit_, this);
     gst_pad_set_chain_function(exit_, take);
-    // Which display to use is answered by the pipeline; an error is told by the frames.
+    // The pipeline answers which display to use; the frames report an error.
     g_autoptr(GstBus) bus = gst_bus_new();
     gst_bus_set_sync_handler(bus, hand_on, owner_, nullptr);
     gst_element_set_bus(scalers_, bus);
@@ -147,7 +147,7 @@ private:
   GstElement *scalers_;
   GstPad *entrance_;
   GstPad *exit_;
-  GstBuffer *taken_ = nullptr; ///< the last picture, until it is asked for
+  GstBuffer *taken_ = nullptr; ///< the last picture, until shrink() returns it
 };
 
 std::string

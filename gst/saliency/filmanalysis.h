@@ -66,19 +66,19 @@ public:
     return people_ ? people_->statistics() : people::People::Statistics();
   }
 
-  /// Of the last analysis, as on the screen.
+  /// The map of the last analysis, as on the screen.
   const tactile::TactileMap &map() const
   {
     return map_;
   }
-  /// Of the last analysis, if SaliencySettings::attach_saliency was set.
+  /// The saliency of the last analysis, if SaliencySettings::attach_saliency was set.
   const AttachedSaliency &saliency() const
   {
     return saliency_;
   }
 
 private:
-  /// What an analyzer depends on.
+  /// The settings and caps that require a new analyzer.
   struct Kind
   {
     ProfileName profile = ProfileName::tuned;
@@ -87,7 +87,7 @@ private:
 
     bool operator==(const Kind &) const = default;
   };
-  /// What a look for people depends on.
+  /// The settings and caps that require a new detection of people.
   struct PeopleKind
   {
     PeopleMode mode = PeopleMode::off;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-/// What the analysis reads of a frame. Holds a reference to the buffer that it reads.
+/// The pixels that the analysis reads. Holds a reference to their buffer.
 struct ReadFrame
 {
   struct Window
@@ -38,7 +38,7 @@ struct ReadFrame
 
   GstVideoInfo info;
   Placement placement;
-  /// Of a small picture: the samples that the frame's pixels fill, or those that are to be seen
+  /// The samples of a small picture that the frame's pixels fill, or the visible ones
   /// (GstVideoCropMeta).
   std::optional<Window> window;
   GstBuffer *buffer; ///< the frame, or a small picture of it; of a format that FrameMapping reads
@@ -71,9 +71,9 @@ public:
   /// Frees what frames needed.
   void stop();
 
-  /// What is to be read of a frame that may be halved as often before its analysis. Where it need
-  /// not be, or cannot, it is the frame itself. `frame` outlives the result. Nothing where frames
-  /// of these caps cannot be read.
+  /// The pixels of a frame that may be halved as often before its analysis: a small picture, or the
+  /// frame itself if halving is not needed or not possible. `frame` outlives the result. None if
+  /// frames of these caps cannot be read.
   std::optional<ReadFrame> read(GstBuffer *frame, int halvings);
 
   /// How the last frame was read.

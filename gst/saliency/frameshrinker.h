@@ -13,7 +13,7 @@ struct Placement
   double offset_y = 0;
 };
 
-/// What is known of a small picture.
+/// The properties of a small picture.
 struct SmallPicture
 {
   GstVideoInfo info;
@@ -29,9 +29,9 @@ class FrameShrinker
 public:
   virtual ~FrameShrinker() = default;
 
-  /// A picture in memory that can be mapped, of a format that FrameMapping reads, and what it is.
-  /// Each side of the frame is halved as often as the shrinker was made for. It may refer to the
-  /// shrinker's own memory: it is released before the next one is asked for. Transfer full; NULL if
+  /// A picture in memory that can be mapped, of a format that FrameMapping reads, and its
+  /// properties. Each side of the frame is halved as often as the shrinker was made for. It may
+  /// refer to the shrinker's own memory: release it before the next call. Transfer full; NULL if
   /// this frame cannot be shrunk.
   virtual GstBuffer *shrink(GstBuffer *frame, SmallPicture &picture) = 0;
 };

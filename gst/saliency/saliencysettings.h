@@ -23,7 +23,7 @@ enum class ViewportMode
   adaptive,
 };
 
-/// What the user of saliencytactile sets. Not thread-safe.
+/// The properties of saliencytactile. Not thread-safe.
 struct SaliencySettings
 {
   static constexpr double kProfiles = -1; ///< the profile's own
@@ -31,7 +31,7 @@ struct SaliencySettings
   ProfileName profile = ProfileName::tuned;
   int rows = 3;
   int columns = 3;
-  bool has_grid = false; ///< rows or columns were set; else downstream may ask for others
+  bool has_grid = false; ///< rows or columns were set; else downstream may prefer others
   bool temporal = true;
   double threshold = 0.5;
   double center_weight = kProfiles;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-/// What saliencytactile has done, for its property `stats`. Not thread-safe.
+/// Counts and times of saliencytactile, for its property `stats`. Not thread-safe.
 struct SaliencyStatistics
 {
   guint64 frames = 0;   ///< passed

@@ -14,7 +14,7 @@
 class SoundReader
 {
 public:
-  /// What the maps are made with.
+  /// The settings of the maps.
   struct Settings
   {
     sound::FeelSettings feel;
@@ -35,10 +35,10 @@ public:
   /// length of a map; 0 without a format.
   GstClockTime latency(guint maps_per_second) const;
 
-  /// Reads a buffer with a time stamp. What does not follow on the last one begins anew.
+  /// Reads a buffer with a time stamp. A buffer that does not follow on the last one begins anew.
   void read(GstBuffer *buffer, const Settings &settings, const MapSink &sink);
 
-  /// What is left until the end of the sound.
+  /// Analyzes the rest of the sound.
   void drain(const Settings &settings, const MapSink &sink);
 
   /// Forgets what came, for a seek.

@@ -13,8 +13,8 @@
                                                       "(int) [ 8000, 192000 ], channels = (int) "  \
                                                       "[ 1, 64 ]"
 
-/// What downstream of the pad takes, nearest to 48 kHz and so many channels. More than two have no
-/// positions unless downstream names them. None if it takes nothing of SYNTH_CAPS.
+/// The format that downstream accepts, nearest to 48 kHz and so many channels. More than two have
+/// no positions unless downstream names them. None if it accepts nothing of SYNTH_CAPS.
 std::optional<GstAudioInfo> synth_negotiate(GstPad *pad, gint channels);
 
 /// The cells of each channel, by its position if it has one.

@@ -11,7 +11,7 @@
 
 #include <tl/expected.hpp>
 
-/// What moves when channels sound: those of the calibration, and others as rise-time says.
+/// The shakers of the channels: those of the calibration, and others with the time of `rise-time`.
 class SynthMotors
 {
 public:
@@ -19,7 +19,7 @@ public:
   static tl::expected<SynthMotors, std::string> read(const SynthSettings &settings);
 
   std::vector<tactor::MotorParameters> of_channels(int channels) const;
-  /// Of the channels that were measured, up to the last one and to `most`.
+  /// The tunings of the measured channels, up to the last one and to `most`.
   std::vector<synth::Tuning> tunings(int most) const;
 
   /// For tactor::PlannerSettings::max_lead.

@@ -18,7 +18,7 @@ class SynthOutput
 {
 public:
   /// Pushes to `pad` and posts messages of `element`; both outlive this. `parts` are read before
-  /// the first negotiate(). `is_silent` is asked before each buffer.
+  /// the first negotiate(). `is_silent` is called before each buffer.
   SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts, std::function<bool()> is_silent);
 
   /// Agrees on the sound with downstream, where that is due. Then there is a play().
@@ -27,7 +27,7 @@ public:
   /// Null before negotiate().
   synth::Play *play();
 
-  /// Of the input. The output's own is sent before the next samples, with this sequence number.
+  /// The input's segment. The output's is sent before the next samples, with this sequence number.
   void set_segment(const GstSegment &segment, guint32 seqnum);
   const GstSegment &segment() const;
 
@@ -36,7 +36,7 @@ public:
   /// Pushes all samples up to a running time.
   GstFlowReturn push_until(synth::Time until);
 
-  /// What was planned is dropped.
+  /// Drops the planned commands.
   void flush(bool resets_time);
   /// As constructed.
   void reset();

@@ -10,7 +10,7 @@
 
 #include <optional>
 
-/// What tactilesynth reads and opens before it plays.
+/// The files that tactilesynth reads and opens before it plays.
 struct SynthParts
 {
   synth::Carriers carriers;

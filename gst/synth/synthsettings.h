@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// What the user of tactilesynth sets. Not thread-safe.
+/// The properties of tactilesynth. Not thread-safe.
 struct SynthSettings
 {
   static constexpr int kMostChannels = 64;

@@ -99,8 +99,8 @@ segment_of(GstPad *pad)
   return segment;
 }
 
-/// What the streams of one file have in common (gst_pad_create_stream_id()): empty before there is
-/// any.
+/// The part of their names that the streams of one file share (gst_pad_create_stream_id()); empty
+/// before the first one.
 std::string
 source_of(GstPad *pad)
 {
@@ -336,7 +336,7 @@ map_at(GstTactileSubtitles *self, tactile::Time time)
   return map;
 }
 
-/// The film's events tell where its 0:00 is.
+/// Reads the film's 0:00 from its events.
 static GstPadProbeReturn
 on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 {

@@ -83,7 +83,7 @@ src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return gst_pad_query_default(pad, parent, query);
 }
 
-/// To whoever makes the maps: this element, or one upstream.
+/// Sends the event to the source of the maps: this element, or one upstream.
 gboolean
 pass_grid_event(GstPad *tactile, GstEvent *event)
 {

@@ -14,9 +14,9 @@ public:
   {
     GstPadChainFunction chain;
     GstPadEventFunction event; ///< of the sink pad; ends with pass_event()
-    /// Of the tactile pad, may be null. The default is the one of pads.
+    /// The query function of the tactile pad; null: the default of pads.
     GstPadQueryFunction tactile_query = nullptr;
-    /// Maps come with the stream: whoever makes them upstream is told of another grid.
+    /// Maps come with the stream: another grid is sent upstream to their source.
     bool maps_come = false;
   };
 
@@ -29,11 +29,11 @@ public:
   GstPad *sink() const;
   GstPad *tactile() const;
 
-  /// Of the next caps of maps; 0/1: unknown or variable.
+  /// The frame rate of the next caps of maps; 0/1: unknown or variable.
   void set_framerate(gint n, gint d);
 
-  /// Sends caps with this grid, if they are not those that were sent, then the segment. The grid
-  /// stays; before the first one it is what downstream asks for, else 3 × 3.
+  /// Sends caps with this grid, if they differ from the last ones, then the segment. The grid
+  /// stays; before the first one it is the grid that downstream prefers, else 3 × 3.
   void announce(guint rows, guint columns);
   void announce();
   guint rows() const;
@@ -44,7 +44,7 @@ public:
   GstFlowReturn push_gap(GstClockTime pts, GstClockTime duration);
   /// The next map does not follow the last one. So it is after a flush, a segment and reset().
   void interrupt();
-  /// What the tactile pad returns if nothing is pushed.
+  /// The result of the tactile pad if nothing is pushed.
   GstFlowReturn maps_flow() const;
 
   /// To the source pad. Returns the flow of both pads.
@@ -56,8 +56,8 @@ public:
   /// Forgets the stream.
   void reset();
 
-  /// Whether downstream of the tactile pad asks for another grid than the one that was announced.
-  /// It is asked if something has changed there.
+  /// Whether downstream of the tactile pad prefers another grid than the announced one. Queries it
+  /// if something has changed there.
   bool wants_grid(guint *rows, guint *columns);
 
 private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Which grid maps should have. Those who play maps are asked by a query, as caps of frames have no
-// grid and a tee mixes the preferences in caps. The grid of a stream of maps is one that its caps
-// allow. Who prefers another grid than before tells upstream by an event.
+// The preferred grid of maps. Elements query downstream for it, as caps of frames have no grid and a
+// tee mixes the preferences in caps. The grid of a stream of maps is one that its caps allow. A
+// sink that prefers another grid than before sends an event upstream.
 #pragma once
 
 #include <gst/gst.h>
@@ -16,6 +16,6 @@ void wanted_grid_of_frames(GstPad *pad, guint *rows, guint *columns);
 bool is_grid_query(GstQuery *query);
 void answer_grid_query(GstQuery *query, guint rows, guint columns);
 
-/// For upstream: ask again. Whoever chooses the grid keeps the event.
+/// An event that makes upstream query again. The element that chooses the grid keeps it.
 GstEvent *new_grid_event();
 bool is_grid_event(const GstEvent *event);

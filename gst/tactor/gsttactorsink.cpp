@@ -350,8 +350,8 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// Hands what the settings say to the scheduler, and again if another thread changes it meanwhile:
-/// what the scheduler was told last is what the properties are.
+/// Hands a setting to the scheduler, and again if another thread changes it meanwhile: the last
+/// value of the scheduler is that of the property.
 template <class Value>
 static void
 gst_tactor_sink_apply(GstTactorSink *self, Value (TactorSettings::*read)() const,

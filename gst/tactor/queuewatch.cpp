@@ -59,7 +59,7 @@ has_thread(GstPad *pad)
   return gst_pad_get_task_state(pad) != GST_TASK_STOPPED;
 }
 
-/// What the sinks downstream of a pad are like.
+/// The kinds of sinks downstream of a pad.
 struct Ends
 {
   bool unqueued = false; ///< a sink is in the pad's own thread

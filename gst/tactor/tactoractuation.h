@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-/// What the motors get and when: due commands, silence, soft start, refresh, and the trace of it.
+/// Decides the levels of the motors: due commands, silence, soft start, refresh, and their trace.
 /// It has no clock, thread or lock and writes to no board; the scheduler guards it and carries out
 /// its steps.
 class TactorActuation
@@ -41,7 +41,7 @@ public:
     tactor::ScheduleStatistics thread_error; ///< issued − max(due, pushed)
   };
 
-  /// What holds at the moment of a step.
+  /// The state at the moment of a step.
   struct Now
   {
     tactor::Time running{ 0 }; ///< running time

@@ -13,11 +13,11 @@ public:
   /// The pad's element is not owned.
   explicit TactorGrid(GstPad *pad);
 
-  /// Of the device that was opened; tells upstream if it is another than the last one. That one's
-  /// holds until then, as the next device is likely the same.
+  /// Sets the layout of the device that was opened, and notifies upstream if it is another than the
+  /// last one, which holds until then, as the next device is likely the same.
   void set(const tactor::Layout &layout);
 
-  /// What the pad takes, its preference first.
+  /// The caps that the pad accepts, the preferred ones first.
   GstCaps *caps(GstCaps *filter) const;
   /// Answers a query for the grid; false if it is another query, or there is no preference.
   bool answer(GstQuery *query) const;

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-/// What is opened for a play.
+/// The driver and trace of a play.
 struct TactorOutput
 {
   std::unique_ptr<tactor::Driver> driver;      ///< open

@@ -36,7 +36,8 @@ public:
   /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
-  /// When a buffer is shown; `now` is as for TactorStream::shown(). A warning if nothing tells it.
+  /// When a buffer is shown; `now` is as for TactorStream::shown(). If that is unknown, it posts a
+  /// warning.
   TactorStream::Span shown(GstBuffer *buffer, const GstSegment &segment,
                            std::optional<tactor::Time> now);
   /// Plans a buffer with the present settings and latency, but for those agreed on. None after an

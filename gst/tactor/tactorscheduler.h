@@ -31,8 +31,8 @@ class TactorScheduler
 public:
   using Counters = TactorActuation::Counters;
 
-  /// What the scheduler needs to know of its element and what it reports to it. Called on the
-  /// scheduler's thread without its locks. All but `scheduled` are required.
+  /// Functions of the element: times that the scheduler reads and events that it reports. Called on
+  /// the scheduler's thread without its locks. All but `scheduled` are required.
   struct Host
   {
     std::function<TactorTiming()> timing;
@@ -116,11 +116,11 @@ public:
   void timing_changed();
 
   Counters counters() const;
-  /// Of the driver; after stop() the last one.
+  /// The status of the driver; after stop() the last one.
   tactor::DriverStatus driver_status() const;
-  /// Of the driver, as it is now; after stop() the last one.
+  /// The present latency of the driver; after stop() the last one.
   tactor::Time transport_latency() const;
-  /// Of the thread; after stop() the last one.
+  /// The scheduling of the thread; after stop() the last one.
   tactor::Scheduling scheduling() const;
   bool trace_failed() const;
   /// Whether open_failed() or device_failed() was called.

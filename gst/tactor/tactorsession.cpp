@@ -106,7 +106,7 @@ TactorSession::wait_until_open()
   using Outcome = TactorScheduler::Outcome;
   for (Outcome outcome = Outcome::interrupted; outcome != Outcome::open;) {
     const guint64 interruptions = scheduler_.interruptions();
-    // Without the lock, which a flush needs, it waits, and upstream is asked.
+    // Waiting and the query upstream happen without the lock, which a flush needs.
     GST_BASE_SINK_PREROLL_UNLOCK(sink_);
     outcome = scheduler_.wait_until_open(interruptions);
     if (outcome == Outcome::open)
@@ -171,9 +171,9 @@ TactorSession::read_timing() const
   return timing;
 }
 
-/// On the scheduler's thread. The object lock, which any thread of the application may have, is not
-/// waited for: its holder would get no CPU time on a busy machine while a motor is on. What changes
-/// latency or ts-offset reads the timing afterwards.
+/// On the scheduler's thread. It does not wait for the object lock, which any thread of the
+/// application may have: its holder would get no CPU time on a busy machine while a motor is on.
+/// Code that changes latency or ts-offset reads the timing afterwards.
 TactorTiming
 TactorSession::glance_at_timing() const
 {
@@ -207,7 +207,7 @@ TactorSession::scheduler()
 }
 
 /// Once the board's latency is known: data is requested so much earlier. Returns whether the source
-/// is live. Not with the preroll lock: upstream is asked, and a message posted.
+/// is live. Not with the preroll lock: it queries upstream and posts a message.
 bool
 TactorSession::agree_on_lead()
 {

@@ -14,8 +14,8 @@
 #include <atomic>
 #include <optional>
 
-/// What tactorsink plays on from READY to READY: board, trace and the scheduler, opened anew for
-/// each play. What becomes of them is posted on the sink's bus.
+/// The output of tactorsink from READY to READY: board, trace and the scheduler, opened anew for
+/// each play. Their events are posted on the sink's bus.
 class TactorSession
 {
 public:
@@ -23,7 +23,7 @@ public:
   explicit TactorSession(GstBaseSink *sink);
 
   /// Begins to open board and trace and sets the sink's render-delay. False after an error message
-  /// if the settings are wrong. What is wrong with the board is an error message later.
+  /// if the settings are wrong. Faults of the board are posted as error messages later.
   bool open(const TactorSettings &settings);
   /// All motors are at zero and the board is released. Harmless when not open.
   void close();
@@ -33,7 +33,7 @@ public:
   GstFlowReturn wait_until_open();
   /// Streaming thread only, when the board is open.
   TactorOpening &opening();
-  /// Whether a map of a live play was over before the board was open. Of one that goes on, `shown`
+  /// Whether a map of a live play was over before the board was open. If a map continues, `shown`
   /// becomes the rest. Always false from the first such map on, and where the board was open before
   /// the play began. Streaming thread only.
   bool is_missed(TactorStream::Span &shown);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// What the user of tactorsink sets. Not thread-safe.
+/// The properties of tactorsink. Not thread-safe.
 struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;

@@ -59,7 +59,8 @@ public:
   Span shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
              tactor::Time last_end, std::optional<tactor::Time> now = std::nullopt) const;
 
-  /// Whether neither timestamp, duration nor frame rate tell when a buffer is shown.
+  /// Whether timestamp, duration and frame rate are missing, so that the time of a buffer is
+  /// unknown.
   bool is_untimed(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const;
 
   /// Whether any of a buffer or gap is shown: a step moves the segment beyond frames that have

@@ -73,9 +73,9 @@ private:
   GstClockTimeDiff offset_;
 };
 
-/// A clock of sound is left alone when sound begins or goes on. Some servers tell any time for a
-/// moment (PipeWire 0.3.65: until its first answer), from which GstClock never goes back: the film
-/// stands still. Any thread.
+/// Decides when a clock of sound is not read: when sound begins or continues. Some servers report
+/// any time for a moment (PipeWire 0.3.65: until its first answer), from which GstClock never goes
+/// back: the film stands still. Any thread.
 class ClockRest
 {
 public:

@@ -29,7 +29,7 @@ public:
     UnlockedPosts &posts_;
   };
 
-  /// What `post` returns. Any thread.
+  /// Returns the result of `post`. Any thread.
   template <class Post> gboolean post(GstBaseSink *sink, Post post)
   {
     if (locker_ != g_thread_self())

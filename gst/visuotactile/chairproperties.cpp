@@ -54,7 +54,7 @@ ChairProperties::ChairProperties(GstElement *owner, std::vector<GstElement *> el
 chair::Settings
 ChairProperties::open()
 {
-  // Before the first reading: a change between the two is heard.
+  // Before the first reading, so that no change is missed.
   watch_ = std::make_unique<chair::SettingsWatch>([this] {
     const chair::Settings settings = chair::read_settings();
     complain(settings);
@@ -62,7 +62,7 @@ ChairProperties::open()
   });
   if (!watch_->watches())
     GST_ELEMENT_WARNING(owner_, RESOURCE, FAILED,
-                        ("Changes of the settings are heard at the next start only."),
+                        ("Changes of the settings apply at the next start only."),
                         ("the system has no more threads"));
   chair::Settings settings = chair::read_settings();
   complain(settings);

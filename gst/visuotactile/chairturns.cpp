@@ -10,14 +10,14 @@ ChairTurns::of_process()
   return turns;
 }
 
-/// Who waits with the strongest claim.
+/// The waiting film with the strongest claim.
 std::deque<ChairTurns::Claimant>::iterator
 ChairTurns::next()
 {
   return std::ranges::max_element(waiting_, {}, &Claimant::claim); // the first of equals
 }
 
-/// Whether somebody waits for whom who has the chair makes room.
+/// Whether a waiting film outranks the holder of the chair.
 bool
 ChairTurns::wanted()
 {

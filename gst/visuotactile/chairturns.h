@@ -7,9 +7,9 @@
 #include <deque>
 #include <mutex>
 
-/// Whose film is felt, of all in this process. Who has the chair keeps it, but makes room for a
-/// film that plays and has the stronger claim. A free chair goes to the strongest claim of those
-/// that wait, and of equal ones to the first that began. Any thread.
+/// Assigns the chair to one of all films in this process. The holder keeps the chair until a film
+/// plays that has the stronger claim. A free chair goes to the strongest claim of those that wait,
+/// and of equal ones to the first that began. Any thread.
 class ChairTurns
 {
 public:
@@ -40,7 +40,7 @@ public:
 
   /// Whether the film has the chair now. If not, it waits.
   bool take(const Film &film, Claim claim);
-  /// Of a film that has the chair or waits.
+  /// Changes the claim of a film that has the chair or waits.
   void claim(GstElement *element, Claim claim);
   /// Whether this film has the chair, and another one should.
   bool outranked(GstElement *element);

@@ -55,7 +55,7 @@ list_parsers()
   return list_factories(GST_ELEMENT_FACTORY_TYPE_PARSER | kVideo);
 }
 
-/// What the factory's pads of this direction take or give. Transfer full.
+/// The caps of the factory's pads of this direction. Transfer full.
 GstCaps *
 template_caps(GstElementFactory *factory, GstPadDirection direction)
 {

@@ -73,7 +73,7 @@ FrameTap::pixels() const
   return pixels_;
 }
 
-/// The branch asks whether the stream is live. All else is none of its business.
+/// The branch may query whether the stream is live, and nothing else.
 gboolean
 FrameTap::query(GstPad *pad, GstObject *, GstQuery *query)
 {
@@ -136,7 +136,7 @@ FrameTap::pass(GstEvent *event)
   gst_pad_push_event(pad_, gst_event_ref(event));
 }
 
-/// Of a stream that began before start(), the branch gets what is sticky.
+/// Sends the sticky events of a stream that began before start() to the branch.
 void
 FrameTap::catch_up()
 {

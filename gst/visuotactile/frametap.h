@@ -15,9 +15,8 @@
 class FrameTap
 {
 public:
-  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
-  /// of flushes. `changed` is called when ended() or pixels() may be
-  /// others.
+  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. Flushes reach
+  /// the gate. `changed` is called when ended() or pixels() may have changed.
   FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
@@ -33,7 +32,7 @@ public:
   void hear(GstEvent *event);
   /// The end of the stream has passed, and no new one since.
   bool ended() const;
-  /// Of a frame, as the stream's caps tell.
+  /// Pixels of a frame, by the caps of the stream.
   gint64 pixels() const;
 
 private:

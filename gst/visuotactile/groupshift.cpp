@@ -89,7 +89,7 @@ GroupShift::hear(GstEvent *qos)
   if (offset == 0 || !GST_CLOCK_TIME_IS_VALID(inside))
     return;
   std::lock_guard lock(mutex_);
-  // Else it is about a frame of the film before, whose time may be clamped to zero.
+  // Other events concern a frame of the film before, whose time may be clamped to zero.
   const bool of_this = any_ && inside > first_ && inside <= end_;
   const gint64 shift = -offset - static_cast<gint64>(segment_.base);
   if (!of_this || shift < 0 || static_cast<GstClockTime>(shift) == shift_)

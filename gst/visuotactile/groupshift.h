@@ -5,7 +5,7 @@
 
 #include <mutex>
 
-/// What the running time of a decoder lacks to that of the sinks. In a gapless play each film
+/// The running time of the sinks minus that of a decoder. In a gapless play each film
 /// begins at zero in its decoder, and playbin's streamsynchronizer, which is behind it, adds how
 /// long the films before it were. A film's own length is the first estimate; upstream events of the
 /// sinks carry the exact value (gst_event_get_running_time_offset()). Events of sinks come on any

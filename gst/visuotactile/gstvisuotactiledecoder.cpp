@@ -60,7 +60,7 @@ GST_DEBUG_CATEGORY(visuotactile_decoder_debug);
 
 namespace {
 
-/// What the frames of a live source wait beyond the motors' lead, for the analysis.
+/// Time of the analysis, for which frames of a live source wait beyond the lead of the motors.
 constexpr GstClockTime kAnalysisMargin = 20 * GST_MSECOND;
 
 /// How far the decoder may run ahead of the player. Maps come earlier than their frames by that.
@@ -69,7 +69,7 @@ constexpr GstClockTime kAhead = 400 * GST_MSECOND;
 /// The same for frames without times.
 constexpr guint kMostAhead = 64;
 
-/// What waits for the analysis.
+/// Frames that wait for the analysis.
 constexpr guint kMoreFrames = 6;
 
 } // namespace
@@ -112,7 +112,7 @@ gst_visuotactile_decoder_register(GstPlugin *plugin)
 }
 GST_ELEMENT_REGISTER_DEFINE_CUSTOM(visuotactiledecoder, gst_visuotactile_decoder_register);
 
-// What players look for; which of these can be decoded is known at runtime.
+// Caps that players look for; which of them can be decoded is known at runtime.
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
     GST_STATIC_CAPS("video/x-h264; video/x-h265; video/x-vp8; video/x-vp9; video/x-av1; "
@@ -188,7 +188,7 @@ gst_visuotactile_decoder_src_query(GstPad *pad, GstObject *parent, GstQuery *que
   return TRUE;
 }
 
-/// Decoders with a pool of their own are told what waits here.
+/// Adds the frames that wait here to the pools of decoders.
 static gboolean
 gst_visuotactile_decoder_inner_query(GstPad *pad, GstObject *parent, GstQuery *query)
 {
@@ -233,7 +233,7 @@ gst_visuotactile_decoder_changed(GstVisuotactileDecoder *self)
   ChairTurns::of_process().claim(GST_ELEMENT(self), gst_visuotactile_decoder_claim(self));
 }
 
-/// Taps the film if it is its turn. Else the chair's elements are in READY.
+/// Taps the film if it is its turn. Otherwise the elements of the chair are in READY.
 static void
 gst_visuotactile_decoder_take_chair(GstVisuotactileDecoder *self)
 {
@@ -283,7 +283,7 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
   GST_STATE_LOCK(self);
   const bool begins = gst_visuotactile_decoder_join(self);
   GST_STATE_UNLOCK(self);
-  // What waits for the chair has told no latency for it.
+  // A film that waited for the chair has no latency for it yet.
   if (begins)
     gst_visuotactile_decoder_post_latency(element, nullptr);
 }
@@ -303,9 +303,9 @@ gst_visuotactile_decoder_asked(GstElement *element, gpointer)
   GST_STATE_UNLOCK(self);
 }
 
-/// What the chair tells of itself is not about the film. Its latency is that of the source pad,
-/// which sinks ask for when they preroll. A LATENCY message of its own would come while they do:
-/// pulsesink then stands still now and then. So there is one only in a live film that plays.
+/// Messages of the chair do not concern the film. Its latency is that of the source pad, which
+/// sinks query when they preroll. A LATENCY message during that preroll sometimes stops pulsesink.
+/// Therefore one is posted only in a live film that plays.
 static void
 gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
 {
@@ -322,7 +322,7 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
-  // The player has switched the sound on or off, or the device is open and tells its latency.
+  // The player has switched the sound on or off, or the device is open and reports its latency.
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY && self->playing)
     gst_element_call_async(GST_ELEMENT(self), gst_visuotactile_decoder_post_latency, nullptr,
                            nullptr);

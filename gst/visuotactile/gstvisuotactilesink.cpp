@@ -55,7 +55,7 @@ namespace {
 /// Time for planning and wake-up, before max-lead; as in tactorsink.
 constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 
-/// What the video queue holds beyond the lead.
+/// Time in the video queue beyond the lead.
 constexpr GstClockTime kLookahead = 200 * GST_MSECOND;
 
 /// Frames that wait for the analysis. It has a thread of its own, as reading a GPU's memory takes
@@ -144,7 +144,7 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
     chosen = gst_element_factory_make("fakesink", "video-sink");
     g_object_set(chosen, "sync", TRUE, nullptr);
   }
-  // The grid follows the orientation tag; sinks do so only if told to.
+  // The grid follows the orientation tag; sinks do so only if they are set to.
   g_auto(GValue) direction = G_VALUE_INIT;
   g_value_init(&direction, GST_TYPE_VIDEO_ORIENTATION_METHOD);
   g_value_set_enum(&direction, GST_VIDEO_ORIENTATION_AUTO);

@@ -7,7 +7,7 @@
 
 class ChairProperties;
 
-/// What the application wants of the video sink's window; kept until there is one.
+/// The window that the application has set for the video sink; kept until there is one.
 struct SinkWindow
 {
   gboolean has_handle;

@@ -26,12 +26,12 @@ using tactile::TactileMap;
 
 namespace {
 
-/// Maps wait until so much of the film is behind them: an impact that is heard before its picture
-/// is felt where it will be seen. In a live stream its sound is known by then, too. Three frames
-/// of 30 a second.
+/// Maps wait until so much of the film is behind them: an impact that sounds before its picture is
+/// felt where it will be seen. In a live stream its sound is known by then, too. Three frames of
+/// 30 a second.
 constexpr GstClockTime kLookAhead = 95 * GST_MSECOND;
 
-/// Of a film that does not tell its rate: of 24 frames a second.
+/// Frame duration if the caps have no framerate: 1/24 s.
 constexpr GstClockTime kUsualFrame = 42 * GST_MSECOND;
 
 struct Settings
@@ -192,7 +192,7 @@ pass(GstSoundJoin *self, GstBuffer *buffer)
   self->priv->interrupted |= GST_BUFFER_IS_DISCONT(buffer);
   if (!joined(self))
     return push(self, buffer);
-  // What is wrong with a map is tactorsink's error.
+  // tactorsink posts the error of a faulty map.
   const std::optional<TactileMap> picture = read_map(self, buffer);
   if (!picture || !fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), *picture, &flow))
     return push(self, buffer);
@@ -241,8 +241,8 @@ pass_event(GstSoundJoin *self, GstEvent *event)
 
 /* ---- a live source ---- */
 
-/// Whole frames that wait. By so much the maps of a live source are later. Of long frames they are
-/// as many as are in the time.
+/// Duration of the whole frames that wait, by which the maps of a live source are late. If frames
+/// are long, only whole ones within the time wait.
 static GstClockTime
 look_ahead(GstSoundJoin *self)
 {

@@ -5,9 +5,9 @@
 
 G_BEGIN_DECLS
 
-/// Maps of the picture in, maps of picture and sound out. The sound's are those that `soundtactile`
-/// in the same pipeline has found until then; without one, maps pass. It waits for no
-/// sound. Of a live source, maps are later by the latency that it tells.
+/// Maps of the picture in, maps of picture and sound out. The maps of the sound are those that
+/// `soundtactile` in the same pipeline has found until then; without one, maps pass. It does not
+/// wait for sound. Maps of a live source are later by the latency that it reports.
 #define GST_TYPE_SOUND_JOIN (gst_sound_join_get_type())
 G_DECLARE_FINAL_TYPE(GstSoundJoin, gst_sound_join, GST, SOUND_JOIN, GstElement)
 

@@ -36,7 +36,7 @@ sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
     gst_event_unref(event);
     return GST_FLOW_OK;
   }
-  return own_function(pad)(pad, parent, event); // of EOS, the queue tells why
+  return own_function(pad)(pad, parent, event); // for EOS, the queue reports the reason
 }
 
 GstPadProbeReturn

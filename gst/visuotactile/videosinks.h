@@ -5,7 +5,7 @@
 
 /// The video sink of the highest rank that reaches READY, left in NULL; never one of those that
 /// would choose in turn (visuotactilesink, autovideosink), nor kCrashingVideoSink. Floating. NULL
-/// if there is none; `errors` then tells why, one line each.
+/// if there is none; `errors` then has the reasons, one line each.
 GstElement *choose_video_sink(const gchar *name, GString *errors);
 
 /// Sets a property of the element or, where that has none of this name, of all elements in it that

@@ -51,7 +51,7 @@ struct TactorCalibration
   std::optional<QuadraticRiseTime> quadratic{};
   bool prefers_quadratic = false;          ///< it fits the measurements better than the table
   std::vector<VibrationPoint> vibration{}; ///< both values rise; empty: proportional to the voltage
-  /// Of a channel of sound alone. No measurement sets them.
+  /// Gain and equalizer of a channel of sound. No measurement sets them.
   double gain_db = 0;
   std::vector<synth::EqualizerBand> equalizer{};
   int steps_used = 0;

@@ -10,7 +10,7 @@
 
 namespace tactor {
 
-/// What to measure, and limits that protect the motors.
+/// Steps to measure, and limits that protect the motors.
 struct MeasurementSettings
 {
   std::vector<int> tactors{ 0 };

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-/// What a user sets once for all players, or for one of them, where a player cannot be told.
+/// Settings of the user, for all players or for one, which have no setting of their own.
 namespace chair {
 
-/// What values a key takes.
+/// The kind of values that a key takes.
 enum class Kind
 {
   flag,   ///< true or false
@@ -46,7 +46,7 @@ const Key *find_key(std::string_view name);
 /// All of them, with commas between.
 std::string names_of_keys();
 
-/// What `key` takes, as in "a number from 0 to 1".
+/// The values that `key` takes, such as "a number from 0 to 1".
 std::string expected(const Key &key);
 
 /// Whether `key` takes `value`.
@@ -66,7 +66,7 @@ Grid parse_grid(const std::string &value);
 
 using Values = std::map<std::string, std::string>;
 
-/// What is set for one program.
+/// The settings of one program.
 struct Settings
 {
   Values values{};                       ///< valid ones by key
@@ -81,8 +81,9 @@ struct Settings
 /// The latter comes first.
 std::vector<std::string> program_names();
 
-/// Of the user's file and the environment, for this process. A key of the program's section beats
-/// that of [chair], and an environment variable beats both. What cannot be read is no setting.
+/// The settings in the user's file and the environment, for this process. A key of the program's
+/// section overrides that of [chair], and an environment variable overrides both. Entries that
+/// cannot be read are ignored.
 Settings read_settings();
 
 /// Whether any program is switched on.

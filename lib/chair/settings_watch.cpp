@@ -20,7 +20,7 @@ struct SettingsWatch::Impl
 
   static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer self)
   {
-    // A file that is written in place tells of each part, and at last that it is done.
+    // A file that is written in place notifies of each part, and of its end.
     if (event != G_FILE_MONITOR_EVENT_CHANGED && event != G_FILE_MONITOR_EVENT_ATTRIBUTE_CHANGED)
       static_cast<Impl *>(self)->changed();
   }
@@ -67,7 +67,7 @@ quit(gpointer loop)
 
 SettingsWatch::~SettingsWatch()
 {
-  // From within: a loop that has not begun to run would not hear g_main_loop_quit().
+  // From within: a loop that has not begun to run would ignore g_main_loop_quit().
   if (impl_->thread) {
     g_main_context_invoke_full(impl_->context, G_PRIORITY_HIGH, quit, impl_->loop, nullptr);
     g_thread_join(impl_->thread);

@@ -12,7 +12,7 @@ class SettingsWatch
 {
 public:
   explicit SettingsWatch(std::function<void()> changed);
-  /// False where the system has no more threads: then no change is heard.
+  /// False if the system has no more threads: then no change is noticed.
   bool watches() const;
   ~SettingsWatch();
   SettingsWatch(const SettingsWatch &) = delete;

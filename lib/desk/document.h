@@ -41,7 +41,7 @@ public:
   }
 
   /// Applies the splices one after the other, and returns those that take them back; or none of
-  /// them, and tells what is wrong. The time grows with the cues between one splice and the next,
+  /// them, and returns the error. The time grows with the cues between one splice and the next,
   /// which is limited: any number of splices fits in their order.
   tl::expected<std::vector<Splice>, std::string> apply(const std::vector<Splice> &splices);
 

@@ -17,7 +17,7 @@ using files::sync_folder;
 /// "'film.vtt': No space left on device", with errno.
 std::string file_error(const std::string &path);
 
-/// What a file has, up to `most` bytes.
+/// The content of a file, up to `most` bytes.
 tl::expected<std::string, std::string> read_whole(const std::string &path, std::size_t most);
 tl::expected<std::string, std::string> read_whole(const File &file, const std::string &path,
                                                   std::size_t most);

@@ -10,7 +10,7 @@
 namespace desk {
 
 /// A file of edits that are not yet saved: a line with the text that they are for, then one for
-/// each. What append() has returned for is on the disk. Not thread-safe; one process has it.
+/// each. When append() returns, the edit is on the disk. Not thread-safe; one process has it.
 class Journal
 {
 public:
@@ -23,8 +23,8 @@ public:
     std::vector<std::string> edits; ///< complete lines
     bool damaged = false;           ///< it is none of ours, or too large for one
   };
-  /// What is in it. An unfinished last line, which was never answered, is left out; the next
-  /// append() cuts it off.
+  /// Its content. An unfinished last line, which was never answered, is left out; the next append()
+  /// cuts it off.
   tl::expected<Content, std::string> read();
 
   /// Adds an edit, after `base` if it is the first. Without room, on the disk or below 1 GiB,

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-/// What pages send and get in JSON. All that comes is checked; an error tells what was expected.
+/// Messages of pages in JSON. All input is checked; an error gives the expected input.
 /// docs/design/desk.md has the forms.
 namespace desk {
 
@@ -36,7 +36,7 @@ struct OperationMessage
 };
 Read<OperationMessage> read_operation(std::string_view body);
 
-/// Of "writer", "save" and others that say who they are.
+/// Messages with the name of their page, such as "writer" and "save".
 struct PageMessage
 {
   std::string page;

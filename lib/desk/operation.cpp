@@ -25,7 +25,7 @@ seconds(double value)
   return Time(std::llround(value * 1e9));
 }
 
-/// What is changed, and from when to when.
+/// The cells that are changed, and the time.
 struct Part
 {
   Time begin;
@@ -52,7 +52,7 @@ moved(const Track &track, const Part &part, Time by)
   });
 }
 
-/// What an operation takes.
+/// The value that an operation takes.
 struct Known
 {
   std::string_view name;

@@ -9,7 +9,7 @@
 
 namespace desk {
 
-/// What an operation changes. Events are judged whole.
+/// The part of a track that an operation changes. Events are judged whole.
 struct Selection
 {
   std::optional<std::int32_t> from; ///< ms; none: the beginning

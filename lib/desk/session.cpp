@@ -139,7 +139,7 @@ Session::restore()
                         + " restored from the journal");
   if (count == content->edits.size())
     return {};
-  // What follows a damaged line is lost for the track, but not for somebody who looks.
+  // The edits after a damaged line are lost for the track, but stay in a file.
   return journal_.set_aside().and_then([&](const std::string &name) {
     messages_.push_back("the journal is damaged after " + edits(count) + "; it was kept as '" + name
                         + "'");

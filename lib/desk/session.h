@@ -38,7 +38,7 @@ public:
   /// a text for the user.
   static tl::expected<std::unique_ptr<Session>, std::string> open(const std::string &path);
 
-  /// What open() did that the user should know.
+  /// Actions of open() for the user to know.
   const std::vector<std::string> &messages() const
   {
     return messages_;

@@ -74,7 +74,7 @@ open_checked(const std::string &path, int flags, bool writes)
   struct stat status
   {
   };
-  // Some devices do something as soon as they are opened. Where there is none, open() tells why.
+  // Some devices act as soon as they are opened. If there is no file, open() has the reason.
   if (stat(path.c_str(), &status) == 0)
     if (const auto expected = expect_kind(status, writes); !expected)
       return tl::unexpected(expected.error());

@@ -60,7 +60,7 @@ tl::expected<File, Error> open_regular(const std::string &path);
 /// An error for anything else than a regular file.
 tl::expected<void, Error> expect_regular(const File &file);
 
-/// What a regular file has from its beginning on; an error if that is more than `most` bytes.
+/// The content of a regular file from its beginning; an error if it exceeds `most` bytes.
 tl::expected<std::string, Error> read(const File &file, std::size_t most);
 tl::expected<std::string, Error> read(const std::string &path, std::size_t most);
 

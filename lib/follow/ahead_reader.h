@@ -40,9 +40,9 @@ public:
   }
 };
 
-/// Reads a film's maps ahead of where it plays: first what plays next, then up to ten minutes
-/// ahead, in the end what was left out. What is read is paced by the CPU time that it costs. Reads
-/// no clock; not thread-safe.
+/// Reads a film's maps ahead of its position: first those that play next, then up to ten minutes
+/// ahead, in the end the parts that were left out. CPU time limits the pace. Reads no clock; not
+/// thread-safe.
 class AheadReader
 {
 public:
@@ -52,7 +52,7 @@ public:
   /// CPU time a second: where it is urgent, and else.
   static constexpr double kUrgentShare = 0.85;
   static constexpr double kShare = 0.4;
-  /// What is nearer ahead of the source than this is waited for.
+  /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
   /// A source that is behind the film by more, so long after it was sent somewhere, is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
@@ -63,7 +63,7 @@ public:
   /// Takes what has come. `position`: where the film is; `cpu`: CPU time of this process.
   void step(Time position, Time now, Time cpu);
 
-  /// Grows in step(). None before the first map, which tells the grid.
+  /// Grows in step(). None before the first map, which has the grid.
   const std::shared_ptr<tactile::Draft> &draft() const
   {
     return draft_;

@@ -13,17 +13,17 @@ namespace {
 /// Rounding of players: milliseconds, and a little.
 constexpr double kRounding = 3e6;
 
-/// What clocks of sound cards have at most, a second.
+/// The largest skew of clocks of sound cards, a second.
 constexpr Time kLikelySkew = std::chrono::microseconds(200);
 
-/// One in so many reports may be too far ahead: at rate 1.25, mpv tells one frame in eight 16 ms
+/// One in so many reports may be too far ahead: at rate 1.25, mpv reports one frame in eight 16 ms
 /// early.
 constexpr std::size_t kOutliers = 5;
 
 /// Fewer reports say nothing of how densely they lie.
 constexpr std::size_t kFew = 8;
 
-/// Reports by which it is told how densely they lie at a bound.
+/// Reports that show how densely they lie at a bound.
 constexpr std::size_t kDensity = 4;
 
 double
@@ -119,8 +119,7 @@ Evidence::add(const Report &report)
   offset_ = offset();
 }
 
-/// At the last report. Those that nobody asked for lie densely at their lower bound. A few may be
-/// wrong.
+/// At the last report. Notified reports lie densely at their lower bound. A few may be wrong.
 Evidence::Offset
 Evidence::offset() const
 {

@@ -11,7 +11,7 @@ namespace follow {
 /// How a player reports its position.
 struct Habits
 {
-  /// Reports without a time of asking come at once, and now and then late, by this at the most.
+  /// Notified reports come at once, and now and then late, by this at the most.
   Time latest = std::chrono::milliseconds(100);
   /// The position is rounded down to multiples of this.
   Time coarseness{ 0 };
@@ -27,11 +27,11 @@ struct Habits
   Time most_patience = std::chrono::seconds(3);
 };
 
-/// What reports of one stretch of film, played without a leap at one rate, say about where its
+/// Computes from the reports of one stretch of film, played without a leap at one rate, where its
 /// beginning lies in local time.
 ///
-/// A report that came late or was rounded down tells too small a position, never too large a one.
-/// So each bounds the truth from below by when it came, and from above by when it was asked for.
+/// A report that came late or was rounded down has too small a position, never too large a one. So
+/// each bounds the truth from below by its arrival, and from above by its query.
 /// The least delay counts, not the mean one. Cf. D. Mills, "Internet Time Synchronization: the
 /// Network Time Protocol", IEEE Trans. Commun. 39(10), 1991 (clock filter). Bounds widen with age,
 /// by Habits::skew. Not thread-safe.
@@ -81,7 +81,7 @@ private:
   Time began_;
   Time position_;
   double rate_;
-  bool asked_ = false; ///< the player was asked, so that the upper bounds are known
+  bool asked_ = false; ///< the player was queried, so that the upper bounds are known
   std::deque<Bounds> bounds_;
   Offset offset_;
 };

@@ -8,7 +8,7 @@ namespace follow {
 
 namespace {
 
-/// Spans between reports that tell how long to wait for the next.
+/// Spans between reports, by which the wait for the next one is set.
 constexpr std::size_t kSpans = 8;
 
 /// Any player may renew its position so late.
@@ -111,7 +111,7 @@ PositionEstimator::wait(const Report &report)
     forget();
 }
 
-/// A film that plays does not tell the same position again, but for rounding.
+/// While a film plays, its position does not repeat, but for rounding.
 bool
 PositionEstimator::stands_still(const Report &report) const
 {

@@ -27,7 +27,7 @@ public:
     Time most_error = std::chrono::milliseconds(120);
   };
 
-  /// What is known at a moment.
+  /// The position at a moment.
   struct Estimate
   {
     Time position{ 0 }; ///< film time
@@ -41,7 +41,7 @@ public:
   static constexpr Time kLongestFilm = std::chrono::hours(100);
   static constexpr double kLeastRate = 1.0 / 16;
   static constexpr double kMostRate = 16;
-  /// Of the rate, by which the position nears what is better known.
+  /// Share of the rate by which the position nears a better estimate.
   static constexpr double kMostCorrection = 0.2;
   /// A report off by less is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
@@ -60,11 +60,11 @@ public:
   /// Until when at() is known if nothing more is reported; none: it is not, or the film stands.
   std::optional<Time> known_until() const;
 
-  /// Whether the next report decides something, so that asking at once helps.
+  /// Whether the next report decides something, so that a query at once helps.
   bool asks_again() const;
 
 private:
-  /// Where what at() tells went on at the last report.
+  /// The position of at() at the last report.
   struct Anchor
   {
     Time at{ 0 };
@@ -92,8 +92,8 @@ private:
   std::uint64_t stretch_ = 0;
   Time last_{ 0 };  ///< local time of the last report with a position
   Time alive_{ 0 }; ///< of the last one with a position, or that the film plays on
-  std::optional<Time> last_position_{}; ///< as told
-  Time last_change_{ 0 };               ///< local time at which that was told first
+  std::optional<Time> last_position_{}; ///< as reported
+  Time last_change_{ 0 };               ///< local time of its first report
   std::deque<Time> spans_;              ///< between those
 };
 

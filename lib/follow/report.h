@@ -10,7 +10,7 @@ namespace follow {
 
 using visuotactile::Time;
 
-/// What a player does, as it says.
+/// The state of a player, as reported.
 enum class Doing
 {
   stopped, ///< no film is open
@@ -19,13 +19,13 @@ enum class Doing
   playing,
 };
 
-/// What a player told at one moment. Local times are of the monotonic clock.
+/// A report of a player at one moment. Local times are of the monotonic clock.
 struct Report
 {
   Time received{ 0 }; ///< local time
-  /// Local time before which the position was not read, where that is known: when it was asked for.
+  /// Local time before which the position was not read, if known: the time of the query.
   std::optional<Time> asked{};
-  std::optional<Time> position{}; ///< film time; none: this report tells something else
+  std::optional<Time> position{}; ///< film time; none: this report has something else
   Doing doing = Doing::playing;
   double rate = 1;     ///< film seconds a second
   bool sought = false; ///< the player says that the position has leapt

@@ -39,7 +39,7 @@ TrackFollower::change_player()
   stretch_ = 0;
 }
 
-/// The track's map from a film time on, until it changes, a second at most. What is unknown is
+/// The track's map from a film time on, until it changes, a second at most. Unknown parts are
 /// silent for a moment.
 tactile::Cue
 TrackFollower::next_cue(Time begin) const

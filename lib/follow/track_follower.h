@@ -11,9 +11,9 @@
 
 namespace follow {
 
-/// A film's track → cues in local time, a little ahead of where the film is. Known ahead, they
-/// leave early enough for any motor. What is not known of the track when it is to be handed on is
-/// silent. Reads no clock; not thread-safe.
+/// A film's track → cues in local time, a little ahead of the position of the film, so that they
+/// leave early enough for any motor. Parts of the track that are unknown at that time are silent.
+/// Reads no clock; not thread-safe.
 class TrackFollower
 {
 public:
@@ -23,8 +23,8 @@ public:
     std::vector<tactile::Cue> cues{}; ///< in local times, without gaps
   };
 
-  /// Of another film, or none. The next step is silence if one plays. The track may become known
-  /// meanwhile.
+  /// Sets the track of another film, or none. The next step is silence if one plays. The track may
+  /// become known meanwhile.
   void set_track(std::shared_ptr<const tactile::Draft> track);
   /// Estimates are those of another player of the film from now on.
   void change_player();

@@ -37,7 +37,7 @@ public:
   /// Rows from y on, mirrored beyond the borders; valid until the next call.
   virtual kernels::SourceRows rows(int y) = 0;
 
-  /// What to prefetch while a channel of those rows is processed.
+  /// The rows to prefetch while a channel of those rows is processed.
   virtual Prefetch ahead(int channel) const = 0;
   static_assert(kernels::kSourceRows <= Prefetch::kRows);
 };
@@ -106,7 +106,7 @@ last_components(const FrameView &frame)
   return std::span(frame.components).template last<count>();
 }
 
-/// Of the last `count` components, the one whose byte comes first in a pixel.
+/// The component among the last `count` whose byte comes first in a pixel.
 template <std::size_t count>
 Component
 first_byte(const FrameView &frame)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the kernels that halve rows share, in sources that Highway compiles once per target.
+// Code of the kernels that halve rows, in sources that Highway compiles once per target.
 #if defined(SALIENCY_FIVE_TAPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_FIVE_TAPS_INL_H
 #undef SALIENCY_FIVE_TAPS_INL_H

@@ -7,7 +7,7 @@
 
 namespace saliency {
 
-/// What a frame's components mean.
+/// The meaning of a frame's components.
 enum class ColorModel
 {
   gray, ///< one component, gray R'G'B'

@@ -19,8 +19,8 @@ struct Prefetch
   std::ptrdiff_t row_stride;
 };
 
-/// What to prefetch while `part` of `parts` of the `at_once` rows from `y` on is processed: a share
-/// of the next group of rows. Where several rows fit in a page, that many count as one row.
+/// The part to prefetch while `part` of `parts` of the `at_once` rows from `y` on is processed: a
+/// share of the next group of rows. Where several rows fit in a page, that many count as one row.
 ///
 /// A prefetch that misses the TLB is dropped, and a page walk takes as long as several cache
 /// misses. Rows that are processed at once need a page each. For these, the function now and then

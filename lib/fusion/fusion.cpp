@@ -19,7 +19,7 @@ strength(const TactileMap &map)
   return map.levels.empty() ? 0 : std::ranges::max(map.levels);
 }
 
-/// Adds what is heard in [begin, end) to the last piece, or begins one.
+/// Adds the sound of [begin, end) to the last piece, or begins one.
 void
 add_piece(std::vector<SoundMap> &pieces, Time begin, Time end, const TactileMap &map)
 {

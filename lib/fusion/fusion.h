@@ -13,12 +13,12 @@ namespace fusion {
 class Fusion
 {
 public:
-  /// An impact so soon after what was seen is felt there: the picture of an impact may be over
-  /// before it is heard.
+  /// An impact so soon after a picture is felt at the place of the picture, which may be over
+  /// before its sound begins.
   static constexpr Time kPlaceHolds = std::chrono::milliseconds(250);
 
-  /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next,
-  /// if that is soon, and may be null: an impact that is heard a little before is felt there.
+  /// The map that is felt in [begin, end). The picture's grid stays. `next` is the next picture, if
+  /// it comes soon, and may be null: an impact that sounds a little before is felt at its place.
   tactile::TactileMap mix(Time begin, Time end, const tactile::TactileMap &picture,
                           const tactile::TactileMap &sound, tactile::Mix mix,
                           const tactile::TactileMap *next = nullptr);

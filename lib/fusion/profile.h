@@ -8,7 +8,7 @@
 
 namespace fusion {
 
-/// What of a film's sound joins the picture, and how.
+/// Which part of a film's sound joins the picture, and how.
 struct Profile
 {
   const char *name;

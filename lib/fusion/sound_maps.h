@@ -14,7 +14,7 @@ namespace fusion {
 
 using visuotactile::Time;
 
-/// What is felt of a film's sound in [begin, end), in running time.
+/// The map of a film's sound in [begin, end), in running time.
 struct SoundMap
 {
   Time begin{ 0 };
@@ -22,35 +22,34 @@ struct SoundMap
   tactile::TactileMap map;
 };
 
-/// Where the sound of a pipeline meets its picture: who hears the film writes, who plays it reads.
-/// Several may hear different sounds of one film, such as its voices and its music. Nobody waits
-/// for the other. Any thread.
+/// The meeting place of sound and picture in a pipeline: soundtactile (a hearer) writes, the sink
+/// (a reader) reads. Several hearers may analyze different sounds of one film, such as its voices
+/// and its music. Neither side waits. Any thread.
 class SoundMaps
 {
 public:
-  /// Of each who hears, of which only those that are not silent are kept; the oldest ones go.
+  /// Limit of maps of each hearer. Silent maps are not stored; the oldest ones are dropped.
   static constexpr std::size_t kMost = 1024;
 
-  /// `who` hears a sound, or does not any more: then what it heard is forgotten. Whether that
-  /// changes is_heard().
+  /// Adds the hearer `who`, or removes it and its maps. Returns whether that changes is_heard().
   bool hear(const void *who, bool heard);
-  /// By anybody.
+  /// Whether there is a hearer.
   bool is_heard() const;
 
-  /// Takes the place of all that `who`, who hears, knew from `map.begin` on: sound that comes
-  /// again, as of another language, is not felt twice.
+  /// Replaces all maps of the hearer `who` from `map.begin` on: sound that comes again, as of
+  /// another language, is not felt twice.
   void add(const void *who, SoundMap map);
 
-  /// The film was sought in.
+  /// Drops the maps of a hearer, as after a seek.
   void forget(const void *who);
 
-  /// `reader` feels the sound by this profile from now on; nullptr: it does not.
+  /// Sets the profile of a reader; nullptr: it takes no sound.
   void want(const void *reader, const Profile *profile);
-  /// What the last one wants who wants anything; nullptr if nobody does.
+  /// Profile of the most recent reader that has one; nullptr: none has.
   const Profile *wanted() const;
 
-  /// What is known of [begin, end), in order, without overlaps. Of several that sound at once, each
-  /// cell has the largest level.
+  /// The known maps of [begin, end), in order, without overlaps. If several overlap, each cell has
+  /// the largest level.
   std::vector<SoundMap> between(Time begin, Time end) const;
 
 private:
@@ -66,7 +65,7 @@ private:
     std::deque<SoundMap> maps; ///< in order, without overlaps
   };
 
-  /// nullptr if `who` does not hear.
+  /// nullptr if `who` is no hearer.
   std::deque<SoundMap> *maps_of(const void *who);
 
   mutable std::mutex mutex_{};

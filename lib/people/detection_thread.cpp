@@ -103,7 +103,7 @@ DetectionThread::statistics()
   return statistics_;
 }
 
-/// What OpenCV throws, or an allocation, ends the look for people and not the process.
+/// An exception of OpenCV or of an allocation ends the detection and not the process.
 void
 DetectionThread::run()
 {

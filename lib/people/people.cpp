@@ -13,7 +13,7 @@ namespace people {
 
 namespace {
 
-/// What depends on whether this is a film.
+/// The weights that differ between films and single pictures.
 struct Weights
 {
   float face;  ///< factor on the map

@@ -53,7 +53,7 @@ public:
     DetectionThread::Statistics looks;
   };
 
-  /// What an analysis knows of a frame.
+  /// The data of an analysis about a frame.
   struct Scene
   {
     const saliency::Saliency &found;

@@ -45,7 +45,7 @@ constexpr double kAgreeing = 0.8;
 constexpr double kExplained = 0.7;
 constexpr double kPlainly = 0.6;   ///< of them without a shift of their own
 constexpr double kMostSlant = 0.5; ///< of a part's motion, to the camera's; tan of the angle
-/// Of the residuals in each step of a part's shift, L*: larger residuals lose weight.
+/// Scale of the residuals in each step of a part's shift, L*: larger residuals lose weight.
 constexpr std::array<float, 4> kPartScales{ 20, 10, 5, 5 };
 
 constexpr int kMostSteps = 6;

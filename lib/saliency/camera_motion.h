@@ -63,7 +63,7 @@ private:
 
   Change fit(std::size_t level, Change change, bool at_rest);
   void find_residuals(std::size_t level, const Change &change, std::vector<float> &residuals) const;
-  /// Of a part of the picture.
+  /// The vote of a part of the picture.
   enum class Vote
   {
     none, ///< nothing to see there, or the motion is too small

@@ -9,7 +9,7 @@
 
 namespace sound {
 
-/// Where a sound is heard.
+/// The place of a sound.
 struct Place
 {
   double across = 0;     ///< −1: left, 1: right

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-/// What of a film's sound is felt, when and where.
+/// Which part of a film's sound is felt, when and where.
 namespace sound {
 
 inline constexpr int kMaxSpeakers = 8; ///< 7.1
@@ -14,8 +14,8 @@ struct Speaker
 {
   enum class Role
   {
-    place,  ///< tells where a sound is
-    center, ///< carries voices: heard, but it tells no place
+    place,  ///< shows the place of a sound
+    center, ///< carries voices: analyzed, but shows no place
     low,    ///< low frequency effects, which are everywhere
   };
   Role role = Role::center;

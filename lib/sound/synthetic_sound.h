@@ -49,7 +49,7 @@ class SyntheticSound
 public:
   explicit SyntheticSound(const SoundSettings &settings);
 
-  /// What is to be felt and, after it, notes. By time within each kind.
+  /// The events to be felt and, after them, notes. By time within each kind.
   const std::vector<SoundEvent> &events() const;
 
   /// Writes frames from `first` on, interleaved. `rate` in Hz; size of `out`: a multiple of the

@@ -18,8 +18,8 @@ public:
   /// Takes the next sample at kRate.
   void add(double sample);
 
-  /// Of the last 32 ms against those up to 14 ms earlier: the most of any pitch, [0, 1]. About 0 of
-  /// silence, above 0.8 of vowels.
+  /// Voicing of the last 32 ms against those up to 14 ms earlier: the most of any pitch, [0, 1].
+  /// About 0 in silence, above 0.8 in vowels.
   double take();
 
   void reset();

@@ -17,7 +17,7 @@
 
 namespace synth {
 
-/// What a channel has of a list with an entry at least: those beyond its end have the last one.
+/// The entry of a channel in a list with one entry at least; channels beyond its end have the last.
 template <typename Entry>
 Entry
 entry_of(const std::vector<Entry> &entries, std::size_t channel)
@@ -25,14 +25,14 @@ entry_of(const std::vector<Entry> &entries, std::size_t channel)
   return entries[std::min(channel, entries.size() - 1)];
 }
 
-/// What is measured of a channel, so that it is right at any carrier.
+/// The measured properties of a channel, which hold at any carrier.
 struct Tuning
 {
   double gain = 1; ///< factor, also beyond 1
   std::vector<EqualizerBand> equalizer{};
 };
 
-/// What channels play, by entry_of() of each list.
+/// The carriers of channels, by entry_of() of each list.
 struct Carriers
 {
   std::vector<double> frequencies = { 60 }; ///< Hz, 1 to kHighest
@@ -41,7 +41,7 @@ struct Carriers
   std::vector<std::shared_ptr<const Wave>> samples{}; ///< of channels with Waveform::sample
   std::vector<Tuning> tunings{};                      ///< of the first channels; others have none
 
-  /// Of equal channels, the noise of each is at another place of its round.
+  /// Equal channels have noise from different places of its round.
   std::vector<Voice> voices(int channels) const;
 };
 

@@ -27,10 +27,10 @@ using ChannelCells = std::vector<std::vector<int>>;
 /// Cell i is channel mapping[i], or none where that is negative or beyond the channels.
 ChannelCells mapped_cells(std::span<const int> mapping, int channels);
 
-/// Cell i is channel i where there are that many channels without places. Otherwise channels stand
-/// side by side, and each plays the columns at its place: one in the middle is on both. Of channels
-/// with places, those behind and at the sides and `low` play, or else those in front; `low` plays
-/// all cells, and `other` none. A channel without cells is silent.
+/// Cell i is channel i if there are that many channels without places. Otherwise channels stand
+/// side by side, and each plays the columns at its place: one in the middle is on both. Channels
+/// with places play if they are behind, at the sides or `low`; channels in front play if there are
+/// no others. `low` plays all cells, and `other` none. A channel without cells is silent.
 ChannelCells placed_cells(int rows, int columns, std::span<const Place> places);
 /// As placed_cells(), of channels without places.
 ChannelCells plain_cells(int rows, int columns, int channels);

@@ -31,7 +31,7 @@ struct Equalized
   double peak = 1;                  ///< 0: silent
 };
 
-/// What filters in series make of a carrier once they have settled. The carrier is filtered and not
+/// A carrier after filters in series that have settled. The carrier is filtered and not
 /// its product with the amplitude, so that a change of amplitude is neither delayed nor rings.
 Equalized equalized(const std::shared_ptr<const Wave> &wave, std::span<const EqualizerBand> bands);
 

@@ -51,8 +51,8 @@ public:
   void plan(Time time, Time duration, std::span<const float> levels);
   /// All channels to zero at `time`.
   void silence(Time time);
-  /// What was planned is dropped, and running time restarts or goes on. The limits' account stays.
-  /// The next is begin().
+  /// Drops the plan; running time restarts or continues. The account of the limits stays. Call
+  /// begin() next.
   void flush(bool resets_time);
 
   /// When the next sample is, and how many of a channel there are until a time.

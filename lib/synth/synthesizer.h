@@ -12,7 +12,7 @@
 
 namespace synth {
 
-/// What a channel plays.
+/// The carrier of a channel, its phase and gain.
 struct Voice
 {
   std::shared_ptr<const Wave> wave;

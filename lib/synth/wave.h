@@ -6,7 +6,7 @@
 
 namespace synth {
 
-/// Skin feels vibration up to this, in Hz; above, an actuator is only heard.
+/// Skin feels vibration up to this, in Hz; above, an actuator only makes sound.
 inline constexpr double kHighest = 1000;
 
 enum class Waveform
@@ -24,7 +24,8 @@ struct Wave
   double frequency = 0;       ///< rounds a second
   std::vector<float> samples; ///< of one round, then the first one again
 
-  /// Of the samples of one round, at least one; those beyond [-1, 1] are clamped, NaN is 0.
+  /// `round` has the samples of one round, at least one; those beyond [-1, 1] are clamped, NaN is
+  /// 0.
   Wave(double frequency, std::vector<float> round);
 };
 

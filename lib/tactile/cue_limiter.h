@@ -17,7 +17,7 @@ struct CueLimits
 };
 
 /// Limits for each cell how long a cue lasts and how soon the next one may follow. The user study
-/// asks for this, as it "makes them more memorable and avoids excessive tactile events" (paper,
+/// recommends this, as it "makes them more memorable and avoids excessive tactile events" (paper,
 /// Section 6).
 ///
 /// A cue is a stretch of time in which a cell's level is above 0. Breaks shorter than kShortestRest

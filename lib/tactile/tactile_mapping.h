@@ -33,7 +33,7 @@ struct MappingSettings
   /// same.
   double center_weight = 0;
   /// Share of the strongest cell, [0, 1], with Order::threshold_first of the strongest pixel
-  /// (paper: 50 %). What is not above it is dropped, except the strongest.
+  /// (paper: 50 %). Values that are not above it are dropped, except the strongest.
   double threshold = 0.5;
   /// Remaining pixels count 1 (paper) instead of their value; for Order::threshold_first.
   bool binary = false;

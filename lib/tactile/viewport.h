@@ -36,7 +36,7 @@ public:
   /// Time constant of the exponential decay of past maps.
   static constexpr Time kMemory = std::chrono::seconds(8);
   /// Weight of the uniform prior, relative to a maximum of 1 for all past maps: a single event does
-  /// not yet tell where a film takes place.
+  /// not yet show where a film takes place.
   static constexpr double kPrior = 0.2;
   static constexpr Time kSilence = std::chrono::seconds(3);
   /// Longest time before a map that the map is weighted by.

@@ -57,8 +57,8 @@ public:
 
   /// Plans the map of the frame shown during [time, time + duration); duration ≤ 0 is 1/30 s.
   /// `levels` are row-major in [0, 1]; others are clamped, NaN is 0. Returns the commands of the
-  /// block that begins here; none inside a block or where nothing changes. Of cells that share a
-  /// tactor the strongest counts; cells without a tactor are ignored. A map that is taken `at_once`
+  /// block that begins here; none inside a block or where nothing changes. If cells share a tactor,
+  /// the strongest counts; cells without a tactor are ignored. A map that is taken `at_once`
   /// is a block of its own, and leaves those of the rate as they are.
   std::vector<Command> plan(Time time, Time duration, std::span<const float> levels,
                             bool at_once = false);
@@ -96,7 +96,7 @@ private:
     bool outdone = false;              ///< it has a level, but stronger ones are on
   };
 
-  /// What one call plans.
+  /// The plan of one call.
   struct Plan
   {
     Time effect;    ///< running time of the frame

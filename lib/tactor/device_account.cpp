@@ -75,7 +75,7 @@ DeviceAccount::admit(Motor &motor, double level, Time now)
   }
   const Time end = use.latest_end(use.is_on() ? use.on_since() : now, limits_).time;
   const Time latest = end > Time::max() - kGrace ? end : end + kGrace;
-  // What has no time left does not begin for the sake of the grace.
+  // A tactor without time left does not begin for the sake of the grace.
   if (now < (use.is_on() ? latest : end)) {
     if (!use.is_on())
       use.begin(now);

@@ -42,8 +42,8 @@ struct DriverConfig
   std::string device;
   int max_tactors = 4096; ///< tactors to use at most, 1…4096
   int min_tactors = 1;    ///< a board with fewer is refused
-  /// Without `device`, and without a board that has answered before: ask the device that is there,
-  /// if it is the only one, and was not asked in vain before. It may be anything.
+  /// Without `device`, and without a known board: probe the device that is there, if it is the only
+  /// one and has not failed a probe. It may be anything.
   bool asks_a_stranger = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< request real-time scheduling for threads that carry levels
@@ -65,7 +65,7 @@ struct DriverStatus
   std::string guardian;
   bool may_run = false;  ///< closed, but motors may still be on
   std::vector<int> pins; ///< of each tactor
-  /// What one calls each tactor, for drivers with DriverInfo::names_motors.
+  /// The name of each tactor, for drivers with DriverInfo::names_motors.
   std::vector<std::string> motors;
   std::uint64_t bytes = 0;      ///< sent since open()
   std::uint64_t reconnects = 0; ///< times it came back since open()
@@ -101,7 +101,7 @@ public:
   /// become slower.
   virtual Time transport_latency() const = 0;
 
-  /// What transport_latency() does not exceed while it is open.
+  /// The upper limit of transport_latency() while it is open.
   virtual Time longest_latency() const
   {
     return transport_latency();

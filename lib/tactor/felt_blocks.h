@@ -43,7 +43,7 @@ public:
   {
     return cells_.size();
   }
-  /// Of the present block.
+  /// The level of a cell in the present block.
   float level(std::size_t cell) const
   {
     return cells_[cell].level;

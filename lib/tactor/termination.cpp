@@ -21,12 +21,12 @@ namespace tactor {
 
 namespace {
 
-/// What ends a process by default and is no fault of its code.
+/// Signals that end a process by default and are no fault of its code.
 constexpr std::array kSignals{ SIGHUP,    SIGINT,  SIGQUIT, SIGABRT, SIGPIPE,
                                SIGALRM,   SIGTERM, SIGUSR1, SIGUSR2, SIGPOLL,
                                SIGVTALRM, SIGPROF, SIGXCPU, SIGXFSZ, SIGPWR };
 
-// What the handler reads; process-wide, as a signal's action is.
+// Data of the handler; process-wide, as a signal's action is.
 std::atomic<int> pipe_in{ -1 };
 std::atomic<pid_t> owner{ 0 };           ///< a forked process has the handler, but not the thread
 std::atomic<bool> abort_is_due{ false }; ///< the motors stand

@@ -24,7 +24,7 @@ private:
   PriorityLock &lock_;
 };
 
-/// What `call` returns without the lock.
+/// Runs `call` without the lock and returns its result.
 template <class Call>
 auto
 without(PriorityLock &lock, const Call &call)

@@ -34,7 +34,7 @@ public:
   /// can be.
   tl::expected<void, FormatError> set(Time begin, Time end, const TactileMap &map);
 
-  /// What is known before `end`; the rest is silent.
+  /// The known parts before `end`; the rest is silent.
   Track track(Time end, double rate) const;
 
 private:

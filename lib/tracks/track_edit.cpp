@@ -46,7 +46,7 @@ public:
     return std::move(track_);
   }
 
-  /// Of times that a track already has, which fit.
+  /// The track, for times that a track already has and that therefore fit.
   Track finish_fitting(Time end)
   {
     Edited finished = finish(end);

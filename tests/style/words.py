@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Pages written by hand and manual pages use the words of docs/guide/glossary.md, and their sentences name a subject. Code, links and messages in
-quotes are left out.
+"""Pages written by hand, manual pages, comments and messages use the words of docs/guide/glossary.md, and their sentences name a subject. On
+pages, code, links and messages in quotes are left out. Pages by hand have MOST words at most, besides docs/measured and code blocks.
 
 Usage: words.py SOURCE_FOLDER"""
 
@@ -24,17 +24,50 @@ REFUSED = [
     (r"\bgoes on to be\b|\bgo on to be\b", "continue"),
     (r"\bsays so\b|\btells so\b", "what is posted or printed"),
 ]
-names = subprocess.run(["git", "-c", f"safe.directory={root}", "-C", root, "ls-files", "*.md", "*.h2m"], check=True, capture_output=True, text=True).stdout.split()
+# What comments and messages refuse, too. Folders are left out while others rewrite them.
+REFUSED_IN_CODE = [
+    (r"\b(?:tells?|telling|told)\b", "report, post, show or notify"),
+    (r"\b(?:asks?|asked|asking)\b", "query, probe or request"),
+    (r"\bwhom\b|\bwhoever\b|\bunasked\b|\bstrangers?\b", "a noun of the glossary"),
+    (r"^/*<? ?(?:What|Of|Who|Whose) (?!is not\b)", "a noun as the subject"),
+]
+LEFT_OUT = ("lib/saliency/", "lib/sound/", "lib/frame/front_end.h")
+MOST = 25_000
+
+
+def listed(*patterns):
+    return subprocess.run(["git", "-c", f"safe.directory={root}", "-C", root, "ls-files", *patterns], check=True, capture_output=True, text=True).stdout.split()
+
+
 wrong = []
 pages = 0
-for name in names:
+words = 0
+for name in listed("*.md", "*.h2m"):
     text = (root / name).read_text()
     if re.search(r"^(?:Made by .*do not edit|<!-- Made by )", text, re.M):
         continue
     pages += 1
+    if not name.startswith(("docs/measured/", "docs/man/", "tests/", ".github/")):
+        words += sum(bool(re.search(r"\w", word)) for word in re.sub(r"^ *```.*?^ *```$", "", text, flags=re.M | re.S).split())
     text = re.sub(r"^ *```.*?^ *```$|`[^`\n]*`|\"[^\"\n]*\"|\]\([^)\n]*\)", lambda code: "\n" * code.group().count("\n") + "x", text, flags=re.M | re.S)
     for number, line in enumerate(text.split("\n"), 1):
         wrong += [f"{name}:{number}: '{found.group().strip()}': expected {instead}" for refused, instead in REFUSED if (found := re.search(refused, line))]
 
-print(*wrong, f"{pages} pages, {len(wrong)} words", sep="\n")
-sys.exit(bool(wrong) or pages < 30)
+if words > MOST:
+    wrong.append(f"pages by hand have {words} words, expected {MOST} at most: shorten some")
+
+CODE = re.compile(r'(?P<comment>//.*)|(?P<text>"(?:[^"\\\n]|\\.)*")|\'(?:[^\'\\]|\\.)\'')
+sources = [name for name in listed("lib/*.h", "lib/*.cpp", "gst/*.h", "gst/*.cpp", "tools/*.h", "tools/*.cpp") if not name.startswith(LEFT_OUT)]
+for name in sources:
+    follows = False  # a comment line of the same comment precedes
+    for number, line in enumerate((root / name).read_text().split("\n"), 1):
+        for part in CODE.finditer(line):
+            kind = part.lastgroup
+            if kind is None or (kind == "text" and " " not in part.group()):
+                continue
+            refused = REFUSED_IN_CODE[:3] if kind == "text" or follows or not name.startswith(("lib/", "gst/")) else REFUSED_IN_CODE
+            wrong += [f"{name}:{number}: '{found.group().strip()}': expected {instead}" for pattern, instead in refused if (found := re.search(pattern, re.sub(r"`[^`]*`", "x", part.group())))]
+        follows = bool(re.match(r" *//", line))
+
+print(*wrong, f"{pages} pages, {words} words by hand, {len(sources)} sources, {len(wrong)} wrong", sep="\n")
+sys.exit(bool(wrong) or pages < 30 or len(sources) < 300)

@@ -82,7 +82,7 @@ struct StartWatch::State
       return;
     const std::string_view type = gst_structure_get_name(gst_caps_get_structure(caps, 0));
     if (!type.starts_with("video/") && !type.starts_with("audio/") && !type.starts_with("image/"))
-      return; // subtitles and data do not tell where a film begins
+      return; // subtitles and data do not show where a film begins
     const GstSegment *segment = nullptr;
     gst_event_parse_segment(event, &segment);
     const std::lock_guard lock(mutex);

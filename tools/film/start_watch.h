@@ -12,7 +12,7 @@ struct StartTimes
 {
   visuotactile::Time stream{ 0 };  ///< in GStreamer's stream time
   visuotactile::Time running{ 0 }; ///< in running time, where it is played from its beginning
-  /// For players that do not count from 0:00, such as VLC: what they tell at 0:00.
+  /// For players that do not count from 0:00, such as VLC: their position at 0:00.
   visuotactile::Time told{ 0 };
 };
 

@@ -5,5 +5,5 @@
 
 #include <string>
 
-/// Answers with a file, or with the range of it that is asked for, piece by piece.
+/// Answers with a file, or with the requested range of it, piece by piece.
 void answer_file(SoupServerMessage *message, const std::string &path, const char *type);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-/// Who may ask, and how much. The browser of the user is trusted with the token; other pages in it
+/// Admits requests, and limits them. The browser of the user is trusted with the token; other pages in it
 /// and other programs are not.
 class Guard
 {

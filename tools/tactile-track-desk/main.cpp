@@ -132,7 +132,7 @@ run(const DeskOptions &options)
                 *session, draft);
   const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);
   const std::unique_ptr<GDBusConnection, Unref> bus(
-      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system's tells enough
+      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough
   if (bus)
     g_dbus_connection_set_exit_on_close(bus.get(), FALSE);
   const SessionWatch watch(bus.get(), kProgram,

@@ -124,7 +124,7 @@ private:
     gulong probe;
   };
 
-  /// On a streaming thread: encoders see nothing from before the time that is asked for.
+  /// On a streaming thread: encoders see nothing from before the requested time.
   void hold(GstPad *pad)
   {
     const std::lock_guard lock(mutex_);

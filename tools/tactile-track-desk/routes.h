@@ -41,7 +41,7 @@ public:
 
   void answer(SoupServerMessage *message, const std::string &path);
 
-  /// As SessionWatch tells.
+  /// As SessionWatch reports.
   void rest(bool rests, const std::string &why)
   {
     feel_.rest(rests, why);

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-/// The HTTP server: who may ask for what, and how much. Of the main context's thread.
+/// The HTTP server, which admits and limits requests. For the main context's thread.
 class Server
 {
 public:

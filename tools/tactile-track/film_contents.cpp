@@ -51,7 +51,7 @@ constexpr std::array kFormat = { "width",          "height",          "color_ran
                                  "color_transfer", "color_primaries", "sample_rate", "channels" };
 
 /// Packets of a stream's beginning: pictures may be decoded before earlier ones. Later times may
-/// step back in a recording, and tell nothing.
+/// step back in a recording, and are not used.
 constexpr int kFirst = 64;
 
 struct ParserUnref

@@ -149,7 +149,7 @@ private:
     progress_.clear();
   }
 
-  /// Writes a copy and compares it. Where the film's time 0 is in it only the copy tells.
+  /// Writes a copy and compares it. Only the copy shows where the film's time 0 is in it.
   Differences written(const Write &write, double at, const std::string &to)
   {
     for (bool is_again = false;; is_again = true) {

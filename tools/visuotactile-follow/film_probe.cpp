@@ -13,7 +13,7 @@ namespace {
 constexpr GstClockTime kPatience = 10 * GST_SECOND;
 
 /// Whether subtitles may be a track, which tactile-track mux names Tactile and gives the language
-/// zxx. Of sparse ones tags are seldom seen in time: the first cue tells.
+/// zxx. Of sparse ones tags are seldom seen in time: the first cue decides.
 bool
 may_be_track(GstDiscovererStreamInfo *stream)
 {

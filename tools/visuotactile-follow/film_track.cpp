@@ -64,7 +64,7 @@ FilmTrack::open(const std::string &film)
     look_in_folder();
 }
 
-/// Also tells where the film's 0:00 is, whatever its track.
+/// Also reports the film's 0:00, whatever its track.
 void
 FilmTrack::probe()
 {

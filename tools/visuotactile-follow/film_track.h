@@ -60,7 +60,7 @@ public:
   {
     return what_;
   }
-  /// What a player that does not count from the film's 0:00 tells there; 0 until it is known.
+  /// The position that a player reports at the film's 0:00, if it counts from elsewhere; 0: unknown.
   follow::Time told_at_start() const
   {
     return file_.start.told;

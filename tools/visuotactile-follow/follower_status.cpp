@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a Follower does, for those who ask, and when all is felt.
+// The state of a Follower for its queries, and the delay of the vibration.
 #include "follower.h"
 
 #include <cmath>

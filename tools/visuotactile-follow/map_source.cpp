@@ -128,7 +128,7 @@ protected:
 
   virtual void sought() = 0;
 
-  /// By whoever takes.
+  /// By the thread that takes maps.
   void find_fault(std::string fault)
   {
     is_faulty_ = is_faulty_ || failure_.empty();

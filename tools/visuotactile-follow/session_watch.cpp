@@ -134,7 +134,7 @@ SessionWatch::call_logind(const char *method, GVariant *arguments, GAsyncReadyCa
                                            nullptr, canceled_, callback, this);
 }
 
-/// Without a system bus or logind, as in a container, nothing tells of sleep.
+/// Without a system bus or logind, as in a container, nothing notifies of sleep.
 void
 SessionWatch::on_system_bus(GObject *, GAsyncResult *result, gpointer data)
 {

@@ -18,13 +18,14 @@ public:
   /// default).
   using Rests = std::function<void(bool rests, const std::string &why)>;
 
-  /// `session`: the session bus, or nullptr. `program` is what the user is told to delay sleep.
+  /// `session`: the session bus, or nullptr. logind names `program` to the user as the reason for a
+  /// delayed sleep.
   SessionWatch(GDBusConnection *session, std::string program, Rests rests);
   ~SessionWatch();
   SessionWatch(const SessionWatch &) = delete;
   SessionWatch &operator=(const SessionWatch &) = delete;
 
-  /// The screen is not locked any more, whatever was told: not all that lock it tell when they end.
+  /// The screen is not locked any more, whatever was reported: not every locker reports its end.
   void somebody_is_there();
 
 private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactile-settings: what players that cannot be told anything do with the chair.
+// visuotactile-settings: the chair of players that have no setting for it.
 #include "commands.h"
 
 #include "film/command_line.h"

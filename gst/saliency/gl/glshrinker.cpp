@@ -55,7 +55,7 @@ void main()
 }
 )";
 
-/// What the shaders above need to be of the context's language.
+/// The changes that the shaders above need for the language of the context.
 struct Language
 {
   GstGLSLVersion version;
@@ -137,7 +137,7 @@ run_on(GstGLContext *context, const std::function<void()> &work)
 
 } // namespace
 
-/// What a shader reads.
+/// The input of a shader.
 struct GlShrinker::Source
 {
   guint texture;

@@ -16,8 +16,8 @@
 /// Where OpenGL is Mesa's software renderer, no frame is shrunk, unless
 /// $VISUOTACTILE_GL_IN_SOFTWARE is set.
 ///
-/// OpenGL is called on the thread of the frames' context. The reading begins there, and whoever
-/// maps the picture waits for its end.
+/// OpenGL is called on the thread of the frames' context. The reading begins there, and mapping the
+/// picture waits for its end.
 class GlShrinker : public FrameShrinker
 {
 public:

@@ -8,8 +8,8 @@
 
 namespace follow {
 
-/// Bytes of a stream → its JSON objects, between which nothing has to lie. They are told apart by
-/// their braces alone: an object may still be wrong inside. Not thread-safe.
+/// Bytes of a stream → its JSON objects, between which nothing has to lie. Braces alone separate
+/// them: an object may still be wrong inside. Not thread-safe.
 class JsonStream
 {
 public:

@@ -14,12 +14,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A picture is on the screen when Kodi 20 tells the position that is so much before it
+/// A picture is on the screen when Kodi 20 reports the position that is so much before it
 /// (docs/measured/follow.md).
 constexpr Time kPictureAhead = 75ms;
 
-/// After a seek Kodi tells for a while where it was before. What is so far from where it goes to is
-/// not believed, for so long.
+/// After a seek Kodi reports its old position for a while. For so long, positions far from the
+/// target of the seek are skipped.
 constexpr Time kBefore = 500ms;
 constexpr Time kBeyond = 2s;
 constexpr Time kSeekTakes = 3s;
@@ -151,7 +151,7 @@ KodiConversation::received(std::string_view object, Time now)
   return answered(json::integer(fields, "id").value_or(0), fields, now);
 }
 
-/// Who plays what is asked anew: what is told may be of a player of music.
+/// Queries anew which player plays what: the report may come from a player of music.
 KodiConversation::Heard
 KodiConversation::told(const std::string &what, JsonObject *fields, Time now)
 {

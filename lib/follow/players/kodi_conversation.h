@@ -12,22 +12,22 @@ typedef struct _JsonObject JsonObject;
 
 namespace follow {
 
-/// Kodi's JSON-RPC: it tells what happens by itself, and its position when it is asked. Reads no
-/// clock, has no socket, and is not thread-safe.
+/// Kodi's JSON-RPC: it notifies of events, and answers queries for its position. Reads no clock,
+/// has no socket, and is not thread-safe.
 class KodiConversation
 {
 public:
   struct Heard
   {
-    std::optional<Report> report{}; ///< if it tells something
+    std::optional<Report> report{}; ///< if the message has one
     std::string questions{};        ///< to be sent now
   };
 
-  /// Whether somebody who was not told to is there at all. The answer is one of is_pong().
+  /// A query whether a server on the default port is Kodi. The answer is one of is_pong().
   static std::string ping();
   static bool is_pong(std::string_view object);
 
-  /// What to send when the connection is open: which film plays.
+  /// The first queries of an open connection: which film plays.
   std::string begin(Time now);
 
   /// An object of any content, received at a local time.
@@ -55,7 +55,7 @@ private:
   bool is_of_before(Time position, Time now) const;
   Report report(Time now) const;
 
-  /// What the last question of each kind has for a number; 0: its answer is not awaited.
+  /// The number of the last query of each kind; 0: no answer is awaited.
   struct Awaited
   {
     std::int64_t players = 0;
@@ -65,7 +65,7 @@ private:
   /// Where a seek goes to.
   struct Seek
   {
-    Time at{ 0 }; ///< local time at which it was told
+    Time at{ 0 }; ///< local time of its report
     Time to{ 0 };
   };
 
@@ -75,7 +75,7 @@ private:
   std::optional<std::int64_t> player_; ///< that shows a film
   std::string film_;                   ///< empty: unknown
   double speed_ = 0;                   ///< film seconds a second; 0: pause
-  std::optional<Seek> seek_;           ///< of which no position was told yet
+  std::optional<Seek> seek_;           ///< without a report of a position so far
   bool sought_ = false;                ///< likewise
 };
 

@@ -79,7 +79,7 @@ private:
   void send(const std::string &questions)
   {
     if (!questions.empty())
-      socket_.send(questions); // that of a connection that is gone, which is told by itself
+      socket_.send(questions); // fails on a lost connection, which gone() reports
   }
 
   bool gone(const std::string &why)

@@ -14,7 +14,7 @@ namespace follow {
 
 inline constexpr guint16 kKodiPort = 9090;
 
-/// Kodi at the other end of an open connection. Its position is asked for while it plays.
+/// Kodi at the other end of an open connection. Its position is queried while it plays.
 std::unique_ptr<Player> open_kodi(GSocketConnection *connection, PlayerEvents events);
 
 /// Looks whether Kodi is there, without waiting for it. Calls back in the main context in which it

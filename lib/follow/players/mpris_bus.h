@@ -11,8 +11,8 @@ namespace follow {
 
 inline constexpr const char *kMprisPrefix = "org.mpris.MediaPlayer2.";
 
-/// Players as they come to the session bus and leave it. One that has several names, as VLC has, is
-/// told by the first of them that is wanted. Calls back in the main context in which it was made.
+/// Notifies of players that come to the session bus and leave it. If a player has several names, as
+/// VLC has, the first wanted one counts. Calls back in the main context in which it was made.
 class MprisBus
 {
 public:
@@ -43,7 +43,7 @@ private:
   GDBusConnection *bus_;
   GCancellable *canceled_;
   guint subscription_;
-  std::map<std::string, std::string> told_; ///< a player's unique name, by the name it was told by
+  std::map<std::string, std::string> told_; ///< a player's unique name, by the notified name
 };
 
 } // namespace follow

@@ -18,9 +18,9 @@ constexpr const char *kPath = "/org/mpris/MediaPlayer2";
 constexpr const char *kPlayer = "org.mpris.MediaPlayer2.Player";
 constexpr const char *kProperties = "org.freedesktop.DBus.Properties";
 
-/// Between questions for the position while it plays: a quarter of a second times the golden
-/// section. So they never fall in step with a player that renews its position in a rhythm of
-/// quarters of a second, and each answer tells more about a rounded one.
+/// Time between queries for the position while it plays: a quarter of a second times the golden
+/// section. Queries then never fall in step with a player that updates its position every quarter
+/// of a second, and each answer narrows a rounded position further.
 constexpr guint kAskEvery = 155; ///< ms
 constexpr int kAnswer = 1000;    ///< ms; an answer that comes later is none
 
@@ -29,7 +29,7 @@ struct Known
 {
   std::string_view name; ///< begins so
   Time renewed;          ///< after so long at the latest
-  Time later;            ///< than it is told, a picture is on the screen
+  Time later;            ///< than its report, a picture is on the screen
   Time sound_later;      ///< than the picture (docs/measured/follow.md)
   bool counts_from_start = true;
 };
@@ -107,9 +107,9 @@ public:
   std::string remark() const override
   {
     const std::string unit = position_.unit();
-    return unit == MprisPosition().unit()
-               ? ""
-               : "tells its position in " + unit + " instead of microseconds, which is understood";
+    return unit == MprisPosition().unit() ? ""
+                                          : "reports its position in " + unit
+                                                + " instead of microseconds, which is understood";
   }
   void ask() override
   {
@@ -201,7 +201,7 @@ private:
     auto *self = static_cast<MprisPlayer *>(data);
     const Time asked = self->asked_.value_or(Time(0));
     self->asked_.reset();
-    if (std::exchange(self->overtaken_, false)) { // read before what was told meanwhile, or after
+    if (std::exchange(self->overtaken_, false)) { // a notification came meanwhile
       self->ask();
       return;
     }
@@ -218,13 +218,13 @@ private:
       self->events_.reported(report);
   }
 
-  /// What is on the screen when a position is told.
+  /// The position of the screen when the player reports one.
   std::optional<Time> shown(std::optional<Time> position) const
   {
     return position ? std::optional(std::max(Time(0), *position - known_.later)) : position;
   }
 
-  /// Something was told that is no position.
+  /// The player reported something else than a position.
   void changed()
   {
     overtaken_ = asked_.has_value();
@@ -261,7 +261,7 @@ private:
   MprisPosition position_;
   std::string film_;          ///< whose position it is
   double rate_ = 1;           ///< by which that goes
-  std::optional<Time> asked_; ///< when the position was asked for that is awaited
+  std::optional<Time> asked_; ///< time of the query that awaits an answer
   bool overtaken_ = false;    ///< the state changed since
   guint timer_ = 0;
 };

@@ -9,8 +9,8 @@
 
 namespace follow {
 
-/// The player of that name on the session bus (org.mpris.MediaPlayer2.NAME). Its position is asked
-/// for a few times a second while it plays. When it goes away, that is the bus's to tell.
+/// The player of that name on the session bus (org.mpris.MediaPlayer2.NAME). Its position is
+/// queried a few times a second while it plays. The bus notifies when it goes away.
 std::unique_ptr<Player> open_mpris(GDBusConnection *bus, const std::string &bus_name,
                                    PlayerEvents events);
 

@@ -10,10 +10,10 @@
 
 namespace follow {
 
-/// What a player means by its position. MPRIS says microseconds in a 64-bit integer. Some tell
-/// other numbers, other units, or nothing of use. The unit is that by which the position goes as
-/// fast as the film does; it is another one only if that holds twice in a row, as a leap may look
-/// like it once. Reads no clock; not thread-safe.
+/// Converts the reported position of a player. MPRIS prescribes microseconds in a 64-bit integer.
+/// Some players report other numbers, other units, or nothing of use. The right unit is the one by
+/// which the position advances as fast as the film; it changes only if that holds twice in a row,
+/// as a leap may look like it once. Reads no clock; not thread-safe.
 class MprisPosition
 {
 public:
@@ -25,10 +25,10 @@ public:
   /// Any number, none for other types.
   static std::optional<double> number(GVariant *value);
 
-  /// What was told at a local time while a film plays at a rate; none: nothing, or no number.
-  /// Returns what it means.
+  /// Takes a report at a local time while a film plays at a rate; none: nothing, or no number.
+  /// Returns the film time.
   std::optional<Time> take(std::optional<double> told, Time now, double rate);
-  /// The same of what a player tells by itself, from which nothing is concluded.
+  /// The film time of a notified position, from which no unit is concluded.
   std::optional<Time> meant(std::optional<double> told) const;
 
   /// The film does not go on from where it was: it leapt, stands, or is another one.
@@ -53,7 +53,7 @@ private:
   int unit_ = 0;      ///< index of kUnits
   int candidate_ = 0; ///< which looked right last
   std::optional<Mark> mark_;
-  std::optional<Mark> change_; ///< what was told last, and since when
+  std::optional<Mark> change_; ///< the last report, and since when
   std::optional<Time> right_;  ///< since when it may go wrong
   std::string fault_;
 };

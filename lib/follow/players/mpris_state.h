@@ -9,7 +9,7 @@
 
 namespace follow {
 
-/// What a player tells by MPRIS 2 (org.mpris.MediaPlayer2.Player), as it comes. Values of other
+/// The properties of a player by MPRIS 2 (org.mpris.MediaPlayer2.Player). Values of other
 /// types than the specification's are ignored. Not thread-safe.
 class MprisState
 {

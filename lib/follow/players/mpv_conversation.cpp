@@ -72,7 +72,7 @@ MpvConversation::questions()
   return text;
 }
 
-/// Whether the property is one that was asked for.
+/// Whether the property is an observed one.
 bool
 MpvConversation::take(const std::string &property, JsonObject *fields)
 {
@@ -113,7 +113,7 @@ MpvConversation::received(std::string_view line, Time now)
     sought_ = true;
     told_.reset();
   } else if (event == "playback-restart") {
-    seeking_ = false; // the property's changes may have been too quick to be told
+    seeking_ = false; // mpv may skip notifications of quick changes
   } else if (event == "start-file") {
     ended_ = false;
   } else if (event == "end-file" || event == "shutdown") {
@@ -125,7 +125,7 @@ MpvConversation::received(std::string_view line, Time now)
     return std::nullopt;
   }
   Report report{ .received = now, .doing = doing(), .rate = rate_, .film = film() };
-  // While it seeks, mpv tells where it goes to before it is there.
+  // While it seeks, mpv reports the target of the seek before it is there.
   const std::optional<Time> position = std::exchange(position_, std::nullopt);
   if (report.doing != Doing::stalled)
     report.position = position ? std::optional(shown(*position)) : std::nullopt;
@@ -135,7 +135,7 @@ MpvConversation::received(std::string_view line, Time now)
   return report;
 }
 
-/// Where the film is when mpv tells a position.
+/// The position of the film when mpv reports one.
 Time
 MpvConversation::shown(Time position)
 {

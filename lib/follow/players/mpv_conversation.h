@@ -11,19 +11,19 @@ typedef struct _JsonObject JsonObject;
 
 namespace follow {
 
-/// mpv's JSON IPC: it tells each change of what was asked for once. Its position is that of the
-/// frame that it begins to wait for: when the one before comes to the screen, but at the earliest
-/// its option video-timing-offset before the frame's time. What is reported is where the film is
-/// then. Reads no clock, has no socket, and is not thread-safe.
+/// mpv's JSON IPC: it notifies of each change of the observed properties. Its position is that of
+/// the frame that it begins to wait for: when the one before comes to the screen, but at the
+/// earliest its option video-timing-offset before the frame's time. Reports have the position of
+/// the film at that moment. Reads no clock, has no socket, and is not thread-safe.
 class MpvConversation
 {
 public:
   MpvConversation();
 
-  /// What to send when the connection is open.
+  /// The first queries of an open connection.
   static std::string questions();
-  /// What to send while mpv tells nothing: its answer is a report without a position. A frame may
-  /// last for seconds.
+  /// A query for a time without notifications: its answer is a report without a position. A frame
+  /// may last for seconds.
   static std::string life_sign();
   /// Whether the film should go on, as mpv said last.
   bool plays() const
@@ -31,7 +31,7 @@ public:
     return doing() == Doing::playing;
   }
 
-  /// A line of any content, received at a local time. A report, if it tells something.
+  /// Takes a line of any content, received at a local time. Returns a report if the line has one.
   std::optional<Report> received(std::string_view line, Time now);
 
 private:
@@ -41,17 +41,17 @@ private:
   std::string film() const;
 
   std::string path_;
-  bool ended_ = false; ///< the film there; the next one's path is told only if it is another
+  bool ended_ = false; ///< the present film; mpv notifies of the next path if it differs
   std::string folder_; ///< mpv's working directory
   bool paused_ = false;
   bool idle_ = false; ///< neither plays nor is paused
   bool seeking_ = false;
   double rate_ = 1;
-  Time frame_{ 0 };              ///< duration of the last one that was told; 0: unknown
+  Time frame_{ 0 };              ///< duration of the last reported one; 0: unknown
   Time earliest_;                ///< local time before a frame's time
   std::optional<Time> told_;     ///< of the frame before
-  std::optional<Time> position_; ///< told since the last report
-  bool sought_ = false;          ///< no position was told since
+  std::optional<Time> position_; ///< received since the last report
+  bool sought_ = false;          ///< no position was received since
 };
 
 } // namespace follow

@@ -107,7 +107,7 @@ private:
   MpvConversation conversation_;
   guint timer_ = 0;
   bool told_ = false;  ///< something since the timer was here
-  bool asked_ = false; ///< nothing since it asked
+  bool asked_ = false; ///< a query awaits its answer
   std::optional<PlayerSocket> socket_;
 };
 

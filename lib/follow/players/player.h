@@ -12,15 +12,15 @@
 
 namespace follow {
 
-/// What a player calls, on the thread of the main context in which it was opened. It must not be
-/// destroyed meanwhile.
+/// Callbacks of a player, on the thread of the main context in which it was opened. They must not
+/// destroy the player.
 struct PlayerEvents
 {
   std::function<void(const Report &)> reported;
   std::function<void(const std::string &why)> gone; ///< once; nothing follows
 };
 
-/// A connection to a player. It neither waits nor throws. Of the thread of its main context.
+/// A connection to a player. It neither waits nor throws. For the thread of its main context.
 class Player
 {
 public:
@@ -28,13 +28,13 @@ public:
 
   virtual const std::string &name() const = 0; ///< for messages
   virtual Habits habits() const = 0;
-  /// How much later than its picture its sound is heard, as it was measured.
+  /// The measured delay of its sound against its picture.
   virtual Time sound_latency() const
   {
     return Time(0);
   }
-  /// Whether its position is 0 at the film's 0:00. Others tell the time stamps of Matroska, and of
-  /// transport and program streams the time since their clock began.
+  /// Whether its position is 0 at the film's 0:00. Others report the time stamps of Matroska, and
+  /// in transport and program streams the time since their clock began.
   virtual bool counts_from_start() const
   {
     return true;
@@ -45,12 +45,12 @@ public:
     static const std::string none;
     return none;
   }
-  /// What the user should know of it; empty: nothing.
+  /// A remark about the player for the user; empty: none.
   virtual std::string remark() const
   {
     return {};
   }
-  /// Asks for the position now, where that is asked for.
+  /// Queries the position now, if the player is queried for it.
   virtual void ask()
   {
   }

@@ -8,7 +8,7 @@ namespace follow {
 
 namespace {
 
-/// A player of 1000 frames a second tells less.
+/// A player of 1000 frames a second sends fewer messages.
 constexpr int kMostMessages = 5000; ///< a second
 
 } // namespace

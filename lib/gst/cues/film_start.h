@@ -7,10 +7,10 @@
 
 #include <optional>
 
-/// Where a film's time 0 is in GStreamer's stream time: docs/design/time.md has what players show
-/// as 0:00 in each container.
+/// The position of a film's time 0 in GStreamer's stream time: docs/design/time.md has the 0:00 of
+/// players in each container.
 ///
-/// The first segment of a film tells whether its container has a time line of its own. MP4 and
+/// The first segment of a film shows whether its container has a time line of its own. MP4 and
 /// Matroska have: there time 0 is stream time 0. Transport streams, program streams and recordings
 /// count from a clock, which began before the first picture. There time 0 is the earliest time of
 /// picture or sound.

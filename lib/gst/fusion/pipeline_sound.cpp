@@ -37,7 +37,7 @@ sound_maps_of(GstElement *element)
     const auto free = [](gpointer data) {
       delete static_cast<Maps *>(data);
     };
-    // Of two elements that ask at once, one finds what the other made.
+    // If two elements call at once, one gets the maps that the other made.
     if (g_object_replace_qdata(G_OBJECT(top), key, nullptr, made.get(), free, nullptr))
       static_cast<void>(made.release());
     maps = known_to(top, key);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const gchar *kLevels = "levels";
 
-/// What the sound added is moved as the frame's map is.
+/// Moves the contribution of the sound in the same way as the frame's map.
 gboolean
 transform(GstBuffer *dest, GstCustomMeta *, GstBuffer *frame, GQuark type, gpointer data, gpointer)
 {

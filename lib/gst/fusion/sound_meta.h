@@ -18,5 +18,5 @@ void add_sound_meta(GstBuffer *frame, const tactile::TactileMap &added);
 /// Whether sound is in the frame's tactile map, or ended before it.
 bool has_sound_meta(GstBuffer *frame);
 
-/// What the sound added; none without it, or in another grid than this one.
+/// The contribution of the sound; none without it, or in another grid than this one.
 std::optional<tactile::TactileMap> sound_meta(GstBuffer *frame, guint rows, guint columns);

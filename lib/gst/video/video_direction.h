@@ -7,7 +7,7 @@
 
 #include <string>
 
-/// The display orientation that a stream's tags ask for (GST_TAG_IMAGE_ORIENTATION), as videoflip
+/// The display orientation in the tags of a stream (GST_TAG_IMAGE_ORIENTATION), as videoflip
 /// and video sinks interpret them. The stream's own tag takes precedence over the global one. Both
 /// survive flushes and seeks, and are replaced by later tags or by a new stream. Not thread-safe:
 /// call from the streaming thread, or while there is none.
@@ -36,5 +36,5 @@ private:
 /// GST_VIDEO_ORIENTATION_CUSTOM is the identity.
 tactile::Orientation orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags);
 
-/// What the tags that came to a pad say. Any thread.
+/// The orientation in the tags that came to a pad. Any thread.
 GstVideoOrientationMethod direction_at(GstPad *pad);

@@ -55,7 +55,7 @@ AutoDriver::open(const DriverConfig &config)
   chosen_ = simulator_.get();
   if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
     return simulated;
-  // A device that cannot be used, or was not asked, may or may not be the one meant.
+  // A device that cannot be used, or was not probed, may or may not be the one meant.
   const bool may_be_there
       = kind == DriverError::Kind::not_asked ? is_news(why) : kind != DriverError::Kind::not_found;
   if (config.notify)

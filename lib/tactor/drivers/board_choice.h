@@ -15,18 +15,18 @@ std::string describe(const SerialDevice &device);
 /// Separated by commas.
 std::string describe(const std::vector<SerialDevice> &devices);
 
-/// Which devices to ask whether they are tactor boards.
+/// Which devices to probe for tactor boards.
 struct BoardChoice
 {
-  std::vector<SerialDevice> wanted;        ///< to ask first, in this order
-  std::optional<SerialDevice> stranger;    ///< to ask without a reset, if none was wanted
-  std::vector<SerialDevice> passed_over{}; ///< not to be asked: each may be anything
-  bool may_lack_one = false; ///< one that was passed over was never asked: it may be the board
+  std::vector<SerialDevice> wanted;        ///< to probe first, in this order
+  std::optional<SerialDevice> stranger;    ///< to probe without a reset, if none was wanted
+  std::vector<SerialDevice> passed_over{}; ///< not to be probed: each may be anything
+  bool may_lack_one = false; ///< one that was skipped was never probed: it may be the board
 };
 
 /// `name` is a serial number or a bus path, whose devices are wanted. If it is empty, those are
 /// wanted that are known to be tactor boards, in the bus's order. If none is there and
-/// `asks_a_stranger`, the only device that has not refused is the stranger.
+/// `asks_a_stranger`, the only device that has not failed a probe is the `stranger`.
 BoardChoice choose_boards(const std::vector<SerialDevice> &all, const std::string &name,
                           bool asks_a_stranger, const KnownBoards &known);
 

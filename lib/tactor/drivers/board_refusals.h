@@ -26,12 +26,12 @@ std::optional<DriverError> refusal_of_board(const SerialDevice &device, const Fi
 /// Why none of several boards was taken; at least one.
 DriverError summary(const std::vector<DriverError> &refusals);
 
-/// Why no board was asked: none of `devices` is the one with this name, or, if that is empty, known
-/// to be one. `may_be_one`: one of them may be.
+/// Why no board was probed: none of `devices` is the one with this name, or, if that is empty,
+/// known to be one. `may_be_one`: one of them may be.
 DriverError refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices,
                             bool may_be_one);
 
-/// To be appended: what a user does so that one of these devices is asked. Empty if there is none.
+/// To be appended: the remedy with which one of these devices is probed. Empty if there is none.
 std::string advice(const std::vector<SerialDevice> &not_asked);
 
 /// Why a board that is back is not used. Each reason is reported once.

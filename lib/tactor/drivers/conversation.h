@@ -15,7 +15,7 @@
 
 namespace tactor {
 
-/// What a server drives for us.
+/// The motors that a server drives for this program.
 struct ServedDevice
 {
   std::string name;   ///< for messages
@@ -48,7 +48,7 @@ public:
 
   virtual ~Conversation() = default;
 
-  /// What of the server it drives, as the user named it. Known before there is a connection.
+  /// The parts of the server that it drives, as the user named them. Known before the connection.
   virtual std::vector<std::string> parts() const = 0;
 
   /// A connection is open. All begins anew.

@@ -45,7 +45,7 @@ FirmataBoard::take(const firmata::Event &event)
         asked_.reset(); // the next question at once; later reports repeat the answer
       firmware_ = *firmware;
     } else if (state_ == State::running) {
-      // Not asked for: the board was reset.
+      // No query preceded: the board was reset.
       firmware_ = *firmware;
       resets_++;
       is_armed_ = false;

@@ -32,13 +32,13 @@ struct FirmataPatience
 /// State machine for one board that speaks Firmata. The owner sends what next() returns and reports
 /// received(), written() and the time. It never waits, reads no clock and is not thread-safe.
 ///
-/// 1. *Asking*: the firmware version is asked for repeatedly, as the banner may have passed. Then
-///    the board is reset, since it still drives its motors if its last host was killed, and asked
-///    for its pins' capabilities.
+/// 1. *Asking*: the firmware version is queried repeatedly, as the banner may have passed. Then the
+///    board is reset, since it still drives its motors if its last host was killed, and its pins'
+///    capabilities are queried.
 /// 2. *Running*: each pin with pulse-width modulation is a tactor, in ascending order of pins.
 ///    Levels that have changed are sent in packets of kPacket bytes, round robin; the latest levels
-///    win. A board that reports its firmware unasked was reset, and everything is sent again.
-/// 3. *Closing*: zeros, then a reset, then a question whose answer proves that the board has read
+///    win. A board that reports its firmware without a query was reset, and all is sent again.
+/// 3. *Closing*: zeros, then a reset, then a query whose answer proves that the board has read
 ///    them. Releasing the board earlier may cut them off: the kernel's driver takes over and sets
 ///    another baud rate, for which the USB chip switches its serial line off and on.
 ///
@@ -98,7 +98,7 @@ public:
   /// Name and version of the firmware, as "StandardFirmata.ino 2.5"; empty before the report.
   std::string firmware() const;
   bool has_watchdog() const;
-  /// Of a closed board: it has confirmed that its motors are at zero.
+  /// Whether a closed board has confirmed that its motors are at zero.
   bool is_stopped() const
   {
     return is_stopped_;

@@ -261,7 +261,7 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
   return std::move(*port);
 }
 
-/// Opens a device, asks which board it is and hands it the current levels. A stranger is not reset.
+/// Opens and probes a device and hands it the current levels. An unknown device is not reset.
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger)
 {
@@ -318,7 +318,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
     known_boards_.add(device);
   } else if (board_->state() == FirmataBoard::State::failed && !is_open_
              && remember_refusal(lock, device)) {
-    refusal->text += "; it is asked again if it is named by device=" + device.bus_path;
+    refusal->text += "; it is probed again if it is named by device=" + device.bus_path;
   }
   if (refusal) {
     release(lock, std::move(*port));
@@ -410,8 +410,8 @@ FirmataDriver::guard(Lock &lock)
     guardian_ = std::move(*started);
 }
 
-/// After the last conversation: tries again to stop motors that may be on, and tells if they still
-/// may.
+/// After the last conversation: tries again to stop motors that may be on, and reports if they
+/// still may.
 void
 FirmataDriver::make_sure(Lock &lock, SerialBus &bus)
 {

@@ -25,7 +25,7 @@ namespace tactor {
 ///
 /// Without DriverConfig::device the first board that answers is taken. Only those devices are
 /// touched that choose_boards() names, in that order, each for FirmataPatience::answer at most;
-/// those that another program has open are skipped. What answered, or did not, is remembered. A
+/// those that another program has open are skipped. The results of probes are remembered. A
 /// lost board is looked for whenever something is plugged in or out, and every `look_again`;
 /// BoardIdentity recognizes it.
 ///
@@ -109,7 +109,7 @@ private:
   SerialDevice device_;                   ///< the last one that was taken
   std::optional<BoardIdentity> identity_; ///< of that
   std::uint64_t bytes_before_ = 0;        ///< sent to boards before board_
-  // Of the first board; they stay after a reconnection
+  // The values of the first board stay after a reconnection
   double resolution_ = 0;
   LineTime line_;
 };

@@ -107,7 +107,7 @@ GamepadDriver::resolution() const
   return is_open_ ? config_.full_scale_volts / 65535 : 0;
 }
 
-/// Unknown: SDL does not tell, and gamepads do not answer.
+/// Unknown: SDL does not report it, and gamepads do not answer.
 Time
 GamepadDriver::transport_latency() const
 {

@@ -18,7 +18,7 @@ namespace tactor {
 
 namespace {
 
-/// What the process between this one and the guardian needs.
+/// The data of the process between this one and the guardian.
 struct Start
 {
   const char *program;

@@ -9,8 +9,8 @@
 
 namespace tactor {
 
-/// Devices that have answered as tactor boards, and may be asked again without being named; and
-/// those that were asked and are none. Known by serial number, or by socket if there is none. A
+/// Devices that have answered as tactor boards, and may be probed again without being named; and
+/// those that failed a probe. Known by serial number, or by socket if there is none. A
 /// file with lines like "0403:6001 serial A50285BI", "1a86:7523 at 1-2" and "not 2341:0042 at 1-3";
 /// other lines are ignored, and errors of the file, too. Not thread-safe.
 class KnownBoards

@@ -9,7 +9,7 @@ namespace tactor {
 
 struct RumbleTimes
 {
-  /// Of each rumble: how long motors run after the last write().
+  /// Duration of each rumble: how long motors run after the last write().
   Time duration = std::chrono::milliseconds(250);
   /// Levels that are written again are sent again after this time.
   Time renewal = std::chrono::milliseconds(100);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostTold = 8; ///< reasons that a server is not used
 
-/// What the server's conversation drives, for this driver alone.
+/// Claims the devices of the server's conversation for this driver alone.
 tl::expected<DeviceClaim, DriverError>
 claim(const Server &server)
 {

@@ -15,7 +15,7 @@ class RealtimeThread;
 
 /// Devices behind a server, such as a vest behind bHaptics Player.
 ///
-/// open() loads the module, connects and asks for the device. From then on a thread has server and
+/// open() loads the module, connects and queries the device. From then on a thread has server and
 /// socket; write() leaves the newest levels to it. A server that goes away, or does what it should
 /// not, is looked for again, the longer the later. Levels are zero once write() was not called for
 /// Settings::host_silence while one was on. A device that another driver of the process has, also

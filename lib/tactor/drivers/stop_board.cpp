@@ -14,7 +14,7 @@ namespace tactor {
 
 namespace {
 
-/// What a port tells. Its methods may be called on any thread.
+/// The answers at a port. Its methods may be called on any thread.
 class Answers
 {
 public:

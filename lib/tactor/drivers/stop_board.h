@@ -26,7 +26,7 @@ struct StopPatience
                                                          bool *may_pulse,
                                                          const StopPatience &patience = {});
 
-/// What a user is told after such an error.
+/// The remedy in the message about such an error.
 std::string advice_after(const DriverError &not_stopped);
 
 } // namespace tactor

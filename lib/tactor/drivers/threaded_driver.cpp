@@ -187,7 +187,7 @@ ThreadedDriver::quit(Lock lock)
   wake(lock);
 }
 
-/// Motors to zero and the device released, by `until` at the latest, whoever has the mutex. On
+/// Motors to zero and the device released, by `until` at the latest, even if the mutex is held. On
 /// TerminationGuard's thread.
 void
 ThreadedDriver::leave(std::chrono::steady_clock::time_point until)

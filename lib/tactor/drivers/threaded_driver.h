@@ -16,8 +16,9 @@
 namespace tactor {
 
 /// A driver with a thread of its own, which alone has the device: it finds it, sends it the newest
-/// levels, and looks for it when it is lost. write() leaves the levels to it and never waits. What
-/// the limits of the device's account do not allow it cuts itself, whoever is late.
+/// levels, and looks for it when it is lost. write() leaves the levels to it and never waits. The
+/// thread cuts levels that exceed the limits of the device's account, even if another thread is
+/// late.
 ///
 /// If a signal or exit() ends the process, the thread stops the motors first: see TerminationGuard.
 /// Where the application goes on after the signal, write() fails from then on.
@@ -36,7 +37,7 @@ public:
 protected:
   using Lock = PriorityLock;
 
-  /// On the thread, with the lock, which it releases while it waits, uses the device or tells.
+  /// On the thread, with the lock, which it releases while it waits, uses the device or reports.
   /// Calls opened() or refuse() once, and returns soon after quit_ is set, with motors at zero and
   /// the device released.
   virtual void run(Lock &lock) = 0;
@@ -58,8 +59,8 @@ protected:
   void use_account(const std::string &device);
   /// Whether levels() are others than at its last call, or may be.
   bool has_new_levels(Time now) const;
-  /// What is to be at the motors: the level of each tactor, 0…1, as written last, but for those
-  /// that the limits cut. They leave now. With the lock, on the thread.
+  /// The levels for the motors: those of the last write(), 0…1, except those that the limits cut.
+  /// They leave now. With the lock, on the thread.
   std::vector<double> levels(Time now);
   /// When levels() change without a write().
   std::optional<Time> levels_end() const;
@@ -99,7 +100,7 @@ private:
   std::shared_ptr<DeviceAccount> account_; ///< of the last device; guarded by the mutex
   std::uint64_t cuts_before_ = 0;          ///< of the account; guarded by the mutex
 
-  // Of the thread that opens and closes
+  // For the thread that opens and closes
   Thread thread_;
   std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
 };

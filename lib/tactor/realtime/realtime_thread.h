@@ -43,8 +43,8 @@ private:
 class RealtimeThread
 {
 public:
-  /// The lowest: audio threads go first. A delay of sound is heard from 5 ms on, one of a motor
-  /// felt from 50 ms on.
+  /// The lowest: audio threads go first. People notice a delay of sound from 5 ms on, one of a
+  /// motor from 50 ms on.
   static constexpr int kPriority = 1;
 
   /// Reports each change of scheduling, with the reason in one line. Called by the constructor or

@@ -53,7 +53,7 @@ attribute(const std::string &bus_path, const char *name)
   return legible({ text.data(), static_cast<std::size_t>(file.gcount()) });
 }
 
-/// Manufacturer and product; of a device that tells neither, its ids.
+/// Manufacturer and product; the ids of a device that reports neither.
 std::string
 name(const std::string &bus_path, const libusb_device_descriptor &descriptor)
 {

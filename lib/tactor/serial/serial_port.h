@@ -68,7 +68,8 @@ class SerialBus
 public:
   virtual ~SerialBus() = default;
 
-  /// What is plugged in now, in a stable order. The error is `failed`: the bus cannot be used.
+  /// The devices that are plugged in now, in a stable order. The error is `failed`: the bus cannot
+  /// be used.
   [[nodiscard]] virtual tl::expected<std::vector<SerialDevice>, DriverError> list() = 0;
 
   /// Opens a line. Errors: not_found, busy, permission (the text names the udev rule and the

@@ -13,7 +13,7 @@ namespace tactor {
 ///
 /// It looks at the open files of all processes whose files may be seen, by device number, and at
 /// UUCP locks (/run/lock/LCK..ttyUSB0) of running processes. The reference count of the driver's
-/// module tells how many terminals are open in all; those that are not accounted for belong to
+/// module has the number of all open terminals; those that are not accounted for belong to
 /// programs of other users. A device without a terminal is free.
 LineUse tty_use(const std::string &bus_path, int interface, const SystemRoots &roots = {});
 

@@ -7,7 +7,7 @@
 
 namespace tactile {
 
-/// What a draft was made with. It is in its file, after the grid:
+/// Settings and version of a draft. They are in its file, after the grid:
 ///
 ///     NOTE tactile grid=3x3 rate=5 profile=tuned sound=off version=0.1.0 sum=af63dc4c8601ec8c
 ///
@@ -18,11 +18,11 @@ struct DraftNote
   bool is_unchanged = false; ///< since it was made
 };
 
-/// The note in a file's text; none where that does not tell its grid.
+/// The note in a file's text; none if the text does not have a grid.
 std::optional<DraftNote> draft_note(std::string_view text);
 
-/// A track's file with these words in place of its grid and rate, and the sum. Formats that do not
-/// tell the grid stay as they are.
+/// A track's file with these words in place of its grid and rate, and the sum. Formats without a
+/// grid stay as they are.
 std::string with_draft_note(std::string text, std::string_view made_with);
 
 } // namespace tactile

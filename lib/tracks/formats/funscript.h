@@ -15,7 +15,7 @@ namespace tactile {
 std::string write_funscript(const Track &track);
 
 /// Reads a funscript as one cell, whose level is the position, as players drive vibrators with it.
-/// Of a script with several axes the vibration counts (`V0` or `vib`), else the first with actions;
+/// In a script with several axes the vibration counts (`V0` or `vib`), else the first with actions;
 /// the others are ignored, as are `range`, `metadata` and what other tools add. Actions may be
 /// unordered and their times fractional; positions are clamped to 0 to 100, and turned over where
 /// the script is `inverted`. Slopes become steps of 20 ms.

@@ -13,7 +13,7 @@
 
 namespace tactile {
 
-/// An object of a document with its path, for a reader that is told of the first error. A member
+/// An object of a document with its path, for a reader that reports the first error. A member
 /// that is missing or of another type sets the error and reads as 0 or nothing. It belongs to the
 /// document.
 class JsonMembers

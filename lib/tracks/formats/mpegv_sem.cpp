@@ -159,7 +159,7 @@ is_element(const xmlNode *node, const char *ns, const char *name)
          && xmlStrEqual(node->ns->href, xml(ns));
 }
 
-/// Typed access to a document. What is missing or invalid sets `error` and reads as the minimum or
+/// Typed access to a document. A missing or invalid value sets `error` and reads as the minimum or
 /// nothing.
 class Contents
 {

@@ -28,8 +28,8 @@ enum class TrackFormat
 /// Size limit in bytes; larger files are not read.
 inline constexpr std::size_t kMaxTrackFile = std::size_t{ 256 } << 20;
 
-/// What a film's track ends with where the film's name has its ending. Of several the first is
-/// taken, also by subtitles' names.
+/// Endings that replace that of a film's name in the name of its track. The first existing file is
+/// taken, also with the name of subtitles.
 inline constexpr std::array kFilmTrackEndings
     = { ".tactile.vtt", ".vtt",  ".csv",       ".hjif", ".sem.xml",
         ".haptic",      ".ahap", ".funscript", ".tact" };

@@ -109,7 +109,7 @@ private:
     if (!cue)
       return error_.set(cue.error());
     if (track_ && is_remark(cue->picture))
-      return; // without a note for the grid, the first cue tells whether this is a track
+      return; // without a note for the grid, the first cue decides whether this is a track
     if (!check_times(*cue))
       return;
     std::optional<Grid> grid;

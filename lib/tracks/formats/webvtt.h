@@ -25,7 +25,7 @@ std::string write_webvtt(const Track &track);
 tl::expected<Track, FormatError> read_webvtt(std::string_view text);
 
 /// Whether a text is meant as a track, even if it is a faulty one: a note says so, or its first cue
-/// is a map. Else it is subtitles or something else.
+/// is a map. Otherwise it is subtitles or something else.
 bool is_meant_as_track(std::string_view text);
 
 } // namespace tactile

@@ -32,7 +32,7 @@ struct WebvttBlock
   std::string_view first;
 };
 
-/// Iterates over the blocks of a WebVTT file: the one place that tells what a block is.
+/// Iterates over the blocks of a WebVTT file: the one definition of a block.
 class WebvttBlocks
 {
 public:
@@ -56,7 +56,7 @@ private:
 /// Whether a line has "-->".
 bool has_webvtt_arrow(std::string_view line);
 
-/// What a block with a cue has. The views are of the file.
+/// The parts of a block with a cue. The views are of the file.
 struct WebvttCueLines
 {
   std::string_view identifier; ///< its line with the line end; empty: none

@@ -56,7 +56,7 @@ is_silent(const WebvttCue &cue)
   return std::ranges::all_of(cue.levels, [](int level) { return level == 0; });
 }
 
-/// What is felt where there was no cue.
+/// Appends the cues of the track in a gap between the cues of the file.
 void
 fill_gap(std::vector<WebvttCue> &cues, const Track &track, std::int32_t from, std::int32_t to)
 {

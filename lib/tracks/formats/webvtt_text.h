@@ -10,13 +10,13 @@
 
 namespace tactile {
 
-/// The text of a WebVTT track in pieces, each with the bytes it has in the file: what is not
-/// changed is written with them. So a file that is saved differs where it was edited and nowhere
-/// else. Copies share the text.
+/// The text of a WebVTT track in pieces, each with its bytes in the file: unchanged pieces are
+/// written with them. So a file that is saved differs where it was edited and nowhere else. Copies
+/// share the text.
 ///
 /// A changed cue keeps the identifier and settings of the one that began at its time, or else of
-/// the first that it overlaps. What is no note, such as styles, regions and remarks, stays where
-/// it is, even if its cue is gone.
+/// the first that it overlaps. Other blocks than notes, such as styles, regions and remarks, stay
+/// where they are, even if their cue is gone.
 class WebvttText
 {
 public:

@@ -376,7 +376,7 @@ GST_START_TEST(test_refused_commands)
   Rig rig(make_intiface_server);
   rig.open(server.device(kVibrator));
   rig.write({ 3 });
-  assert_contains(rig.wait_for(EventKind::warning).text, { "asks for no pings" });
+  assert_contains(rig.wait_for(EventKind::warning).text, { "requires no pings" });
   assert_contains(rig.wait_for(EventKind::warning, 2).text, { "the device did not answer" });
 }
 GST_END_TEST;
@@ -408,11 +408,11 @@ GST_START_TEST(test_refusals)
   const DriverError error = rig.refusal(vest.device("vest-back"), 21);
   fail_unless(error.kind == Kind::settings);
   assert_contains(error.text, { "mapping needs 21 tactors", "it has 20" });
-  // Nothing is taken unasked.
+  // Only named devices are used.
   HapticServer intiface({ "buttplug4" });
   Rig unnamed(make_intiface_server);
   assert_contains(unnamed.refusal("@127.0.0.1:" + intiface.port()).text,
-                  { "none is taken unasked", "'Test Vibrator'", "'Mine'" });
+                  { "only named devices are used", "'Test Vibrator'", "'Mine'" });
   intiface.wait_for("gone");
   fail_unless(intiface.lines("motors").empty());
 }

@@ -21,7 +21,7 @@ public:
   {
     last_[count_++ % kWindow] = took;
   }
-  /// Of two in the middle the longer one; 0 before the first answer.
+  /// The longer one of two in the middle; 0 before the first answer.
   Time median() const
   {
     if (count_ == 0)

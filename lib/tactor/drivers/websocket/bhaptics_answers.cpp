@@ -65,7 +65,7 @@ BhapticsAnswers::heard(const bhaptics::Status &status, Time now)
     may_be_answered_ = true;
     return;
   }
-  // Of several the oldest one, as far as we know: a server that became slow is sent less.
+  // If several are under way, the oldest one: a server that became slow is sent less.
   if (!speaks_unasked_)
     took_.add(now - under_way_.front());
   under_way_.pop_front();
@@ -78,7 +78,7 @@ BhapticsAnswers::ready_at() const
     return sent_at_;
   if (!has_answered_)
     return sent_at_ + times_.renewal;
-  // What comes earlier would wait at the server.
+  // An earlier message would wait at the server.
   if (may_be_answered_ && certain_)
     return std::min(sent_at_ + *certain_ * 5 / 4, overdue_at_);
   return overdue_at_;

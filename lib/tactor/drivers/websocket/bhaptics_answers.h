@@ -11,13 +11,13 @@
 
 namespace tactor {
 
-/// Which statuses of bHaptics Player answer messages. It does not tell: a status names no message,
-/// may come unasked, and may not come at all.
+/// Which statuses of bHaptics Player answer messages. A status names no message, may come by
+/// itself, and may not come at all.
 ///
 /// - Where a message switches a position on or off and the server lists what plays, the first
 ///   status that has the change is the answer, and no earlier one.
-/// - Else each status is an answer. Once one came while no message was under way, those count only
-///   that come as late as the last answer that was known to be one.
+/// - Otherwise each status is an answer. After a status without a message under way, only those
+///   count that come as late as the last answer that was known to be one.
 /// - Without an answer the next message goes when it is overdue. A server that never answers is
 ///   sent messages by time.
 ///
@@ -27,8 +27,8 @@ class BhapticsAnswers
 public:
   struct Times
   {
-    /// After the first message nothing else is sent: what comes tells whether the server answers,
-    /// and whether it speaks unasked.
+    /// After the first message nothing else is sent for this time: the statuses then show whether
+    /// the server answers, and whether it also sends statuses by itself.
     Time listening = std::chrono::milliseconds(500);
     /// For an answer, before the next message goes without it: twice the usual time, within these.
     Time shortest = std::chrono::milliseconds(200);

@@ -13,7 +13,7 @@
 
 namespace tactor {
 
-/// What of a suit plays: "vest-back", "visor".
+/// A part of a suit: "vest-back", "visor".
 struct SuitPart
 {
   std::string_view name;
@@ -27,7 +27,7 @@ const std::vector<SuitPart> &suit_parts();
 /// Times of a conversation with bHaptics Player.
 struct BhapticsPatience
 {
-  Time hello = std::chrono::milliseconds(500);   ///< for the status that a server sends unasked
+  Time hello = std::chrono::milliseconds(500);   ///< for the status that a server sends by itself
   Time answer = std::chrono::seconds(5);         ///< for a status
   Time interval = std::chrono::milliseconds(20); ///< the Player's own, at which it drives motors
   Time longest_latency = std::chrono::milliseconds(150);
@@ -36,9 +36,9 @@ struct BhapticsPatience
 
 /// A conversation with bHaptics Player, or with a server that speaks as it does.
 ///
-/// 1. *Asking*: the first status says whether the part is connected. What this program played there
-///    before is ended. The server may send a status by itself, which is no answer: hence the first
-///    message waits for it, and play for what else comes.
+/// 1. *Asking*: the first status says whether the part is connected. Earlier messages of this
+///    program are ended. The server may send a status by itself, which is no answer: hence the
+///    first message waits for it, and play for further ones.
 /// 2. *Playing*: the newest intensities, one message at a time (BhapticsAnswers), and again before
 ///    their duration ends while a motor is on. A zero waits for an answer only where the server is
 ///    slow, at which it would wait all the same. The duration is the watchdog. A server that has
@@ -57,7 +57,7 @@ public:
   std::optional<Time> deadline() const override;
   void close(Time now) override;
   ServedDevice device() const override;
-  /// How long the server takes to answer. What comes after it, such as Bluetooth, is not known.
+  /// Time until the server answers. Delays behind it, such as Bluetooth, are not known.
   Time latency() const override;
 
 private:

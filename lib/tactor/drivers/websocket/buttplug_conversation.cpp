@@ -156,7 +156,7 @@ ButtplugConversation::take(const buttplug::Error &error, Time now)
   for (Taken &taken : taken_) {
     if (std::ranges::find(taken.unanswered, error.id) == taken.unanswered.end())
       continue;
-    // What it does now is not known: it is told again, zeros, too.
+    // Its state is unknown: all levels are sent again, zeros, too.
     std::ranges::fill(taken.sent, kUnknown);
     if (++taken.errors >= kMostErrors && state() == State::playing) {
       lose(taken, text);
@@ -206,7 +206,8 @@ ButtplugConversation::choose(const std::vector<buttplug::Device> &devices, Time 
                       : "it has " + quoted(found) + "; set device to one of these";
   if (names_.empty()) {
     fail({ DriverError::Kind::settings,
-           server_ + ": expected device to name a device, as none is taken unasked; " + others });
+           server_ + ": expected device to name a device, as only named devices are used; "
+               + others });
     return;
   }
   std::vector<Taken> chosen;
@@ -238,7 +239,7 @@ ButtplugConversation::choose(const std::vector<buttplug::Device> &devices, Time 
   stop_all(now);
 }
 
-/// The reply to a message came. Those that were done tell the latency.
+/// The reply to a message came. Replies of success give the latency.
 void
 ButtplugConversation::answered(Id id, bool is_done, Time now)
 {
@@ -251,7 +252,7 @@ ButtplugConversation::answered(Id id, bool is_done, Time now)
     step_ = Step::done;
     if (info_.max_ping_time == Time(0))
       warn(server_
-           + " asks for no pings: its devices may run on if this computer hangs; set a "
+           + " requires no pings: its devices may run on if this computer hangs; set a "
              "ping time in Intiface");
     enter(State::playing);
   } else if (state() == State::closing && is_stopped()) {

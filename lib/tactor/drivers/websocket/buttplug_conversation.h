@@ -51,7 +51,7 @@ public:
   std::optional<Time> deadline() const override;
   void close(Time now) override;
   ServedDevice device() const override;
-  /// Of the slowest device.
+  /// The latency of the slowest device.
   Time latency() const override;
 
 private:

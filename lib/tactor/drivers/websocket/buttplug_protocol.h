@@ -43,7 +43,7 @@ struct ServerInfo
 {
   std::string name;
   int version = 0;
-  Time max_ping_time{ 0 }; ///< 0: it asks for no pings
+  Time max_ping_time{ 0 }; ///< 0: it requires no pings
 };
 struct Ok
 {

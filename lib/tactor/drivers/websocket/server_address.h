@@ -9,7 +9,7 @@
 
 namespace tactor {
 
-/// What DriverConfig::device says of a device behind a server: "NAME", "NAME@HOST" or
+/// The form of DriverConfig::device for a device behind a server: "NAME", "NAME@HOST" or
 /// "NAME@HOST:PORT", each part by default that of the server's own.
 struct ServedName
 {

@@ -160,7 +160,7 @@ private:
   }
 
   /// libsoup reads on for as long as there is something to read, which a server that floods may
-  /// keep up for ever. Of a closed socket nothing is read.
+  /// keep up for ever. It reads nothing from a closed socket.
   void stop_reading()
   {
     if (GSocket *const socket = base_socket())
