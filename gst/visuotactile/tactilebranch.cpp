@@ -171,7 +171,7 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
 }
 
 /* Steps by buffers are for the video sink; tactorsink steps by time. Seeks are the video sink's,
- * too: what one more sink sends comes upstream after the flush that it asks for. */
+ * too: what one more sink sends comes upstream after the flush that it requests. */
 static gboolean
 gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
 {

@@ -42,15 +42,15 @@ def section_of(text, title):
 
 
 properties = {f"{file.stem} {name}" for file in (root / "docs/elements").glob("*.md") for name in re.findall(r"^- `([\w-]+)` \(", section_of(file.read_text(), "Properties"), re.M)}
-declared = [(names(row[0]), names(row[1])[0]) for row in rows("Properties") if len(row) == 2]
 listed = set()
-for elements, of_element, effect in (row for row in rows("Properties") if len(row) == 3):
-    listed |= {f"{element} {name}" for element in names(elements) for name in names(of_element)}
-    for element in names(elements):
-        text = "".join(source(file) for elements_of_file, file in declared if element in elements_of_file)
-        wrong += [f"no file of {element} declares {name}" for name in names(of_element) if f'"{name}"' not in text]
-    for file in names(effect):
-        source(file)
+for heading, table in re.findall(r"^### (.*)\n((?:(?!#).*\n)*)", section_of(page, "Properties"), re.M):
+    *elements, declared = names(heading)
+    text = source(declared)
+    for of_element, effect in (row.split(" | ") for row in re.findall(r"^\| (`.*) \|$", table, re.M)):
+        listed |= {f"{element} {name}" for element in elements for name in names(of_element)}
+        wrong += [f"{declared} does not declare {name}" for name in names(of_element) if f'"{name}"' not in text]
+        for file in names(effect):
+            source(file)
 compare("property", properties, listed)
 
 # Names of structures, also by a constant of the file; lower case with hyphens, unlike keys of other structures.

@@ -33,7 +33,7 @@ typedef struct _GstTactileMeta GstTactileMeta;
  * The levels of a grid of tactors while this video frame is shown. The grid is
  * relative to the picture, so the meta stays unchanged when the frame is copied,
  * converted or scaled. Where an element flips, crops or boxes the picture, its
- * map is moved along if the element tells how (GStreamer 1.28), else dropped. A
+ * map is moved along if the element reports how (GStreamer 1.28), else dropped. A
  * buffer has at most one tactile map.
  *
  * Since: 0.1
