@@ -44,8 +44,8 @@ choose_video_sink(const gchar *name, GString *errors)
     gst_element_set_bus(sink, bus); /* that it cannot be used is no error of the film */
     const GstStateChangeReturn ret = gst_element_set_state(sink, GST_STATE_READY);
     collect_errors(factory, bus, errors);
-    /* Back to NULL: what it asks the application for on its way to READY (window, context) must
-     * reach the application. */
+    /* Back to NULL, so that its requests on the way to READY (window, context) reach the
+     * application. */
     gst_element_set_state(sink, GST_STATE_NULL);
     gst_element_set_bus(sink, nullptr);
     if (ret == GST_STATE_CHANGE_SUCCESS)

@@ -3,9 +3,9 @@
 
 #include <sched.h>
 
-/* Not by a nice value: the threads are of GLib's pool, which later serves other pipelines, and
- * nobody but root gets a thread back. GLib 2.74 tries so with each thread that a streaming thread
- * adds to the pool, and tells a user by a critical message that it could not. */
+/* Not by a nice value: the threads are of GLib's pool, which later serves other pipelines, and only
+ * root can lower a nice value again. GLib 2.74 tries so with each thread that a streaming thread
+ * adds to the pool, and prints a critical message when it fails. */
 static GstBusSyncReply
 on_message(GstBus *, GstMessage *message, gpointer)
 {
