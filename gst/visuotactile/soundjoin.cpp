@@ -79,7 +79,7 @@ static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
 static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
     "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/// The sound that joins, and how.
+/// The sound that joins, and its mix.
 struct Joined
 {
   std::shared_ptr<fusion::SoundMaps> maps;
@@ -143,7 +143,7 @@ read_map(GstSoundJoin *self, GstBuffer *buffer)
   return map;
 }
 
-/// The first that is held and not silent.
+/// The first held map that is not silent.
 static std::optional<TactileMap>
 next_place(GstSoundJoin *self)
 {

@@ -12,8 +12,8 @@ namespace follow {
 
 using visuotactile::Time;
 
-/// A film that is read for its maps, from its beginning on until it is sent elsewhere. It neither
-/// waits nor throws.
+/// Reads the maps of a film, from its beginning or from the target of seek(). It neither waits nor
+/// throws.
 class MapSource
 {
 public:
@@ -22,14 +22,14 @@ public:
   MapSource(const MapSource &) = delete;
   MapSource &operator=(const MapSource &) = delete;
 
-  /// The next map, in order of film time, if it has come. Between maps nothing is felt.
+  /// The next map, in order of film time, if it is ready. Time between maps is silent.
   virtual std::optional<tactile::Cue> take() = 0;
-  /// All up to the film's end was taken.
+  /// Whether all maps up to the film's end were taken.
   virtual bool is_ended() const = 0;
-  /// Whether it can be sent elsewhere.
+  /// Whether seek() is possible.
   virtual bool is_open() const = 0;
-  /// Goes on at this film time, or more quickly at the next one from here on at which it can be
-  /// read at once. Maps from elsewhere do not come any more.
+  /// Continues at this film time or, unless `exactly`, at the next time that can be read at once.
+  /// Drops all other maps.
   virtual void seek(Time to, bool exactly) = 0;
   /// Why nothing more comes; empty: it may.
   virtual std::string failure() = 0;
@@ -46,21 +46,21 @@ public:
 class AheadReader
 {
 public:
-  /// Less is urgent.
+  /// Reading is urgent if less than this is known ahead of the position.
   static constexpr Time kNear = std::chrono::seconds(10);
   static constexpr Time kFar = std::chrono::minutes(10);
-  /// CPU time a second: where it is urgent, and else.
+  /// CPU time a second, if reading is urgent and otherwise.
   static constexpr double kUrgentShare = 0.85;
   static constexpr double kShare = 0.4;
   /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
-  /// A source that is behind the film by more, so long after it was sent somewhere, is too slow.
+  /// A source that is behind the film by more, so long after a seek, is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
   static constexpr Time kPatience = std::chrono::seconds(4);
 
   explicit AheadReader(std::unique_ptr<MapSource> source);
 
-  /// Takes what has come. `position`: where the film is; `cpu`: CPU time of this process.
+  /// Takes the maps that are ready. `position`: of the film; `cpu`: CPU time of this process.
   void step(Time position, Time now, Time cpu);
 
   /// Grows in step(). None before the first map, which has the grid.
@@ -68,19 +68,19 @@ public:
   {
     return draft_;
   }
-  /// Up to where all is known from a position on.
+  /// End of the known part from a position on.
   Time known_until(Time position) const;
-  /// All of the film is known.
+  /// Whether all of the film is known.
   bool is_complete() const
   {
     return complete_;
   }
-  /// Parts are left out, as the film plays faster than it can be read.
+  /// Whether parts are left out, as the film plays faster than it can be read.
   bool is_too_slow() const
   {
     return too_slow_;
   }
-  /// Where the film ends, as far as it was read.
+  /// End of the film, as far as it was read.
   Time end() const
   {
     return end_;
@@ -106,7 +106,7 @@ private:
   std::unique_ptr<MapSource> source_;
   std::shared_ptr<tactile::Draft> draft_;
   std::string failure_;
-  Time begin_{ 0 };      ///< film time of the first map since the source was sent somewhere
+  Time begin_{ 0 };      ///< film time of the first map since the last seek
   Time reach_{ 0 };      ///< all from begin_ to here is known
   bool exactly_ = true;  ///< else begin_ is where the first map is
   bool arrived_ = false; ///< that is known

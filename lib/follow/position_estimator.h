@@ -9,7 +9,8 @@
 
 namespace follow {
 
-/// Where a player's film is now, from reports that are late, rounded, jittery and sometimes wrong.
+/// Estimates the position of a player's film from reports that are late, rounded, jittery and
+/// sometimes wrong.
 ///
 /// A report that does not fit what is known is a leap, or wrong: the position is unknown until the
 /// next report says which, except after reports that say so themselves (Report::sought, another
@@ -31,9 +32,9 @@ public:
   struct Estimate
   {
     Time position{ 0 }; ///< film time
-    Time error{ 0 };    ///< what it may be off by
+    Time error{ 0 };    ///< the largest one
     double rate = 1;    ///< film seconds a second; 0: the film stands still
-    /// Another number after each leap and change of rate: the film goes on elsewhere.
+    /// Another number after each leap and change of rate, where the film continues elsewhere.
     std::uint64_t stretch = 0;
   };
 
@@ -45,7 +46,7 @@ public:
   static constexpr double kMostCorrection = 0.2;
   /// A report off by less is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
-  /// A seek by less only puts the position right: the stretch goes on.
+  /// A seek by less only corrects the position: the stretch continues.
   static constexpr Time kPutRight = std::chrono::milliseconds(50);
 
   PositionEstimator() = default;
@@ -57,7 +58,8 @@ public:
   /// At a local time not before the last report; none: unknown.
   std::optional<Estimate> at(Time now) const;
 
-  /// Until when at() is known if nothing more is reported; none: it is not, or the film stands.
+  /// End of the time for which at() is known without further reports; none: unknown, or the film
+  /// stands.
   std::optional<Time> known_until() const;
 
   /// Whether the next report decides something, so that a query at once helps.

@@ -14,13 +14,14 @@
 
 namespace tactor {
 
-/// When the motors of a device were on, for as long as this process runs, by a monotonic clock.
+/// Records when the motors of a device were on, for as long as this process runs, by a monotonic
+/// clock.
 ///
 /// CommandPlanner keeps MotorLimits by running time and the times at which commands are due. This
-/// keeps them by the time at which levels leave for the device: whatever the pipeline's clock does,
-/// a thread that gets no CPU time fails to do, and a new pipeline does not know. A level that
-/// exceeds a limit by kGrace is cut; it stays at zero until it is not wanted or kLongestRest is
-/// over.
+/// class keeps them by the time at which levels leave for the device, so that they hold if the
+/// pipeline's clock jumps, if a thread gets no CPU time, and in the next pipeline. A level that
+/// exceeds a limit by kGrace is cut; it stays at zero until the film has released it or
+/// kLongestRest is over.
 ///
 /// All times are of one monotonic clock. Any thread.
 class DeviceAccount
@@ -33,14 +34,14 @@ public:
   /// As CommandPlanner's.
   static constexpr Time kLongestRest = std::chrono::seconds(3);
 
-  /// That of a device by a name of it that does not change: always the same one.
+  /// The account of a device, by a name that does not change.
   static std::shared_ptr<DeviceAccount> of(const std::string &device);
 
   /// Initially there are none.
   void set_limits(const MotorLimits &limits);
 
-  /// Levels, 0 or more, are to leave for the device: zeroes those that are over, and enters the
-  /// others. Motors beyond them are at zero.
+  /// Admits levels, 0 or more, that leave for the device: zeroes those whose time is over, and
+  /// records the others. Motors beyond them are at zero.
   void admit(std::span<double> levels, Time now);
   /// When a level of the last admit() is over, or may begin.
   std::optional<Time> deadline() const;

@@ -12,7 +12,7 @@ namespace tactor {
 
 /// The levels of each block of BlockGrid. A block has the levels of its first map. A map with a
 /// cell that is stronger by half begins a block at once, so that a cue that begins in a silent cell
-/// is neither lost nor late at any rate; cells that were not felt for a whole block yet go on in
+/// is neither lost nor late at any rate; cells that were not felt for a whole block yet continue in
 /// it. Not thread-safe.
 class FeltBlocks
 {
