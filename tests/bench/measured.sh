@@ -143,6 +143,23 @@ tracks() { # FILM
   done
 }
 
+# Felt share of each profile.
+profiles() { # FILM ...
+  local film profile
+  printf '\n## Profiles\n\n'
+  printf 'Share of the time in which any tactor is on, by `tactile-track author --sound=PROFILE` and `tactile-track info`. Without\n'
+  printf 'sound (`off`), the picture alone counts.\n\n'
+  printf '| film | off | film | music | dialogue-heavy | bass-shaker |\n|---|---|---|---|---|---|\n'
+  for film in "$@"; do
+    printf '| `%s` |' "$(basename "$film")"
+    for profile in off film music dialogue-heavy bass-shaker; do
+      "$built/tools/tactile-track" author -q --sound=$profile "$film" -o "$work/profile.csv" --force >&2
+      printf ' %s |' "$("$built/tools/tactile-track" info "$work/profile.csv" | sed -n 's/^Felt .*(\([0-9]* %\)).*/\1/p')"
+    done
+    printf '\n'
+  done
+}
+
 out=$root/docs/measured/$page.md
 {
   case $page in
@@ -355,6 +372,7 @@ CAPTION
 
 Its channel for low frequency effects is silent, and nobody speaks.
 CAPTION
+      profiles "$clips/sintel-trailer.mp4" "$clips/big-buck-bunny-5.1.mp4"
       ;;
     synth)
       head_of "Sound for shakers"
