@@ -2,14 +2,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds Debian packages of this checkout and checks them with lintian.
 #
-# Usage: tools/packages.sh [DIRECTORY]     (default: packages)
+# Usage: tools/packages.sh [--cross=ARCHITECTURE] [DIRECTORY]     (default: this machine's, packages)
+#   --cross  for another machine, without documentation, manual pages and introspection data, on one where dpkg knows the architecture
 #
 # Installs its dependencies first, as root or with sudo; VISUOTACTILE_NO_SETUP=1 skips that. Packages tracked files, including uncommitted
 # changes. DIRECTORY receives packages, sources and the build log; set DEB_BUILD_OPTIONS='' for packages of debug symbols.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+of=()
 case ${1:-} in
-  -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  --cross=*)
+    of=(--host-arch "${1#--cross=}" '--build-profiles=cross,nocheck,nodoc,nogir' --build=any)
+    export VISUOTACTILE_NO_SETUP=1
+    shift
+    ;;
 esac
 [ -n "${VISUOTACTILE_NO_SETUP:-}" ] || "$root/tools/setup.sh" build packages
 mkdir -p "${1:-packages}"
@@ -30,7 +37,7 @@ tar -c -J -C "$work" --exclude=visuotactile-"$version"/debian --sort=name --owne
 export DEB_BUILD_OPTIONS=${DEB_BUILD_OPTIONS-noautodbgsym}
 echo "Building ..."
 log=$packages/build.log
-if ! (cd "$source" && dpkg-buildpackage --no-sign) >"$log" 2>&1; then
+if ! (cd "$source" && dpkg-buildpackage --no-sign "${of[@]}") >"$log" 2>&1; then
   tail -n 40 "$log" >&2
   echo "packages.sh: the packages could not be built; all of it is in $log" >&2
   exit 1

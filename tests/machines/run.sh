@@ -3,7 +3,9 @@
 # Tries this checkout's commits on a bare machine of another release: a chroot with nothing but Debian's required packages. Prints a row of a table for
 # each step that is asked for, with its seconds of wall time; the log of each step is in the folder of the machine.
 #
-# Usage: tests/machines/run.sh [--steps=LIST] [debian-12 | debian-13 | sid] [amd64 | arm64]      (default: this machine's; as root)
+# Usage: tests/machines/run.sh [--steps=LIST] [--keep] [--ccache=FOLDER] [--tests=ARGUMENTS] [debian-12 | debian-13 | sid] [amd64 | arm64]
+#                                                                                     (default: this machine's; as root)
+#        tests/machines/run.sh --table      what all runs showed last: docs/measured/machines.md
 #   LIST of  set-up    what the README's two commands install
 #            build     the target 'play'
 #            film      pipelines/play.sh, the first film, without a window
@@ -12,18 +14,63 @@
 #                      application
 #   Default: set-up,build,film,packages.
 #   arm64 on a PC is cross-compiled: set-up; build, of libraries and plugins, whose maps are compared by maps.sh; film, by qemu.
-# Expects debootstrap. It keeps the bare machine as an archive in the user's cache, $VISUOTACTILE_MACHINES if that is set.
+#   --keep    goes on with the machine that the last run left, and with this checkout's commits
+#   --ccache  with a compiler cache, which is kept in FOLDER
+#   --tests   ARGUMENTS of tests/run.sh, for some tests
+# Expects debootstrap. It keeps the bare machine as an archive in the user's cache, $VISUOTACTILE_MACHINES if that is set, and the rows beside it.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 steps=set-up,build,film,packages
-case ${1:-} in
-  -h | --help) sed -n '3,17s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  --steps=*) steps=${1#--steps=}; shift ;;
-esac
+cache=${VISUOTACTILE_MACHINES:-${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines}
+keep=
+compiled=
+tests=
 fail() {
   echo "run.sh: $1" >&2
   exit 1
 }
+# What the last run of each step on each machine left in $cache/rows: a file with its result, its time and its commit.
+table() {
+  local machine architecture step row
+  cat <<'PAGE'
+# Machines
+
+Made by `tests/machines/run.sh --table` of runs for each row; do not edit.
+
+Bare chroots on one PC of two processors, which other programs used at the same time (load 10 to 18): times are
+of the wall and say little. arm64 is cross-compiled and emulated. –: not run.
+
+- set-up: `tools/setup.sh`; the compiler. build: the target `play`; warnings of this project's files.
+- film: `pipelines/play.sh`; commands to motors. tests: `tests/run.sh`.
+- packages: `tools/packages.sh` and lintian. installed: on another bare machine, without recommended packages, not as
+  root.
+
+PAGE
+  echo "| machine | set-up | build | film | tests | packages | installed |"
+  echo "|---|---|---|---|---|---|---|"
+  for machine in debian-12 debian-13 sid; do
+    for architecture in amd64 arm64; do
+      row=
+      for step in set-up build film tests packages installed; do
+        row+=" $(cat "$cache/rows/$machine-$architecture-$step" 2>/dev/null || echo "–") |"
+      done
+      [ -z "${row//[ –|]/}" ] || echo "| $machine $architecture |$row"
+    done
+  done
+}
+while :; do
+  case ${1:-} in
+    -h | --help) sed -n '3,23s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --steps=*) steps=${1#--steps=} ;;
+    --keep) keep=yes ;;
+    --ccache=*) mkdir -p "${1#--ccache=}"; compiled=$(cd "${1#--ccache=}" && pwd) ;;
+    --tests=*) tests=${1#--tests=} ;;
+    --table) table; exit 0 ;;
+    -*) fail "expected --steps=LIST, --keep, --ccache=FOLDER, --tests=ARGUMENTS or --table, got '$1'; see run.sh --help" ;;
+    *) break ;;
+  esac
+  shift
+done
 # shellcheck disable=SC1091 # the machine's
 release=${1:-$(. /etc/os-release && echo "$ID-${VERSION_ID:-sid}")}
 own=$(dpkg --print-architecture)
@@ -42,10 +89,9 @@ esac
 [ "$(id -u)" -eq 0 ] || fail "expected root, who makes chroots"
 command -v debootstrap >/dev/null || fail "there is no debootstrap: apt-get install debootstrap"
 
-cache=${VISUOTACTILE_MACHINES:-${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines}
 bare=$cache/$suite-$own.tar
 machine=$cache/$suite-$architecture-machine
-mkdir -p "$cache"
+mkdir -p "$cache/rows"
 exec 9>"$machine.lock"
 flock 9
 if [ ! -f "$bare" ]; then
@@ -65,10 +111,11 @@ in_machine() {
     for name in dev sys; do mount --rbind /$name "$0/$name"; done
     mount -t proc proc "$0/proc"
     mount -t tmpfs tmpfs "$0/tmp"
+    [ -z "$2" ] || { mkdir -p "$0/ccache"; mount --bind "$2" "$0/ccache"; }
     folder=$0
-    exec chroot "$folder" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 TERM=dumb \
+    exec chroot "$folder" /usr/bin/env -i HOME=/root ${2:+CCACHE_DIR=/ccache CCACHE_COMPILERCHECK=content} PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 TERM=dumb \
       ${http_proxy:+http_proxy=$http_proxy} ${https_proxy:+https_proxy=$https_proxy} DEBIAN_FRONTEND=noninteractive bash -o pipefail -ec "$1"
-  ' "$folder" "$1" </dev/null
+  ' "$folder" "$1" "$compiled" </dev/null
 }
 make_machine() {
   rm -rf "$1"
@@ -78,10 +125,18 @@ make_machine() {
   cp /etc/resolv.conf "$1/etc/"
   cp /etc/apt/apt.conf.d/*proxy* "$1/etc/apt/apt.conf.d/" 2>/dev/null || true
 }
-make_machine "$machine"
+[ -n "$keep" ] || rm -rf "$machine"
+[ -d "$machine/visuotactile" ] || make_machine "$machine"
 # Root may run this in a user's checkout.
-git -c safe.directory="$root" -C "$root" bundle create -q "$machine/commits" HEAD
-git -c advice.detachedHead=false clone -q "$machine/commits" "$machine/visuotactile"
+git=(git -c safe.directory="$root" -C "$root")
+"${git[@]}" bundle create -q "$machine/commits" HEAD
+if [ -d "$machine/visuotactile" ]; then
+  git -C "$machine/visuotactile" fetch -q "$machine/commits" HEAD
+  git -C "$machine/visuotactile" -c advice.detachedHead=false checkout -q FETCH_HEAD
+else
+  git -c advice.detachedHead=false clone -q "$machine/commits" "$machine/visuotactile"
+fi
+commit=$("${git[@]}" rev-parse --short HEAD)
 
 status=0
 broken=
@@ -100,11 +155,12 @@ step() {
     status=1
   fi
   echo "| $release | $architecture | $name | ${result:-yes} | $((SECONDS - since)) s |"
+  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s, $commit" >"$cache/rows/$release-$architecture-$name"
 }
 echo "| machine | architecture | step | result | time |"
 echo "|---|---|---|---|---|"
 if [ -n "$cross" ]; then
-  step set-up 'apt-get -qq update; tools/setup.sh build arm64; apt-get -qq install -y ffmpeg; tests/machines/target.sh; aarch64-linux-gnu-gcc --version | sed -n "s/^\(aarch64\)/result: \1/p"'
+  step set-up "${compiled:+apt-get -qq update; apt-get -qq install -y ccache;}"'apt-get -qq update; tools/setup.sh build arm64; apt-get -qq install -y ffmpeg; tests/machines/target.sh; aarch64-linux-gnu-gcc --version | sed -n "s/^\(aarch64\)/result: \1/p"'
   step build 'meson setup build --auto-features=disabled -Dsaliency=enabled; ninja -C build tests/maps
     tests/machines/maps.sh . build all; f=build/machines/arm64-all/gst/saliency/libgstsaliency.so; file=$(readelf -h $f | sed -n "s/ *Machine: *//p"); echo "result: $file"'
   step film 'run=$(tests/machines/target.sh)/run; target=${run%/run}/root/usr; all=build/machines/arm64-all
@@ -114,11 +170,11 @@ if [ -n "$cross" ]; then
 else
   parts="build play"
   [[ ,$steps, != *,tests,* ]] || parts+=" test players docs"
-  step set-up "tools/setup.sh $parts; "'g++ --version | sed -n "1s/^/result: /p"'
+  step set-up "${compiled:+apt-get -qq update; apt-get -qq install -y ccache;} tools/setup.sh $parts; "'g++ --version | sed -n "1s/^/result: /p"'
   step build 'meson setup build; ninja -C build play | tee /tmp/log; echo "result: $(grep -c warning: /tmp/log || true) warnings"'
   step film 'export XDG_RUNTIME_DIR=/tmp; gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm
     VISUOTACTILE_NO_SETUP=1 pipelines/play.sh --no-window --output=/tmp/played /tmp/film.webm; n=$(sed 1d /tmp/played/commands.csv | wc -l); [ "$n" -gt 0 ]; echo "result: $n commands"'
-  step tests 'tests/run.sh'
+  step tests "tests/run.sh $tests"
   step packages 'tools/setup.sh build packages; lintian --version; tools/packages.sh /packages; echo "result: $(ls /packages/*.deb | wc -l) packages, lintian silent"'
   if [[ ,$steps, == *,packages,* ]] && ls "$machine"/packages/*.deb >/dev/null 2>&1; then
     built=$machine

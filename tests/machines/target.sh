@@ -7,12 +7,13 @@
 #              and with those of this machine that are not there
 #   meson.ini  of arm64: the cross file
 #
-# Usage: tests/machines/target.sh [arm64|amd64 [RELEASE [FOLDER]]]      (default: arm64, this machine's release, a folder in the user's cache)
+# Usage: tests/machines/target.sh [arm64|arm64-tests|amd64 [RELEASE [FOLDER]]]      (default: arm64, this machine's release, a folder in the user's cache)
+#   arm64-tests  what the tests of libraries and elements need, too: see elements.sh
 #
 # For arm64 it expects what `tools/setup.sh arm64` installs. Does nothing if the folder is complete.
 set -euo pipefail
 case ${1:-} in
-  -h | --help) sed -n '3,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '3,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 architecture=${1:-arm64}
 # shellcheck disable=SC1091 # the machine's
@@ -25,7 +26,7 @@ fail() {
   exit 1
 }
 case $architecture in
-  arm64)
+  arm64 | arm64-tests)
     triplet=aarch64-linux-gnu
     emulator=qemu-aarch64
     for program in $triplet-g++ $emulator; do
@@ -34,6 +35,9 @@ case $architecture in
     # What the plugins are built with, but for modules, which need four times as much; and what plays films to them.
     packages="libc6-dev libstdc++-$($triplet-gcc -dumpversion)-dev libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev
       libhwy-dev libexpected-dev libusb-1.0-0-dev libjson-glib-dev libxml2-dev gstreamer1.0-tools gstreamer1.0-plugins-base"
+    [ "$architecture" = arm64 ] || packages+=" libopencv-objdetect-dev libsdl2-dev libsoup-3.0-dev libaubio-dev libcairo2-dev libumockdev-dev libudev-dev
+      libgstreamer-plugins-bad1.0-dev gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav gstreamer1.0-gl
+      gstreamer1.0-opencv"
     ;;
   amd64)
     triplet=x86_64-linux-gnu
@@ -41,7 +45,7 @@ case $architecture in
     packages="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly
       gstreamer1.0-libav gstreamer1.0-gl gstreamer1.0-x libsdl2-2.0-0"
     ;;
-  *) fail "expected arm64 or amd64, got '$architecture'" ;;
+  *) fail "expected arm64, arm64-tests or amd64, got '$architecture'" ;;
 esac
 # One at a time: another checkout may make the same folder.
 mkdir -p "$(dirname "$folder")"
@@ -70,8 +74,8 @@ Dir::State::status "$folder/apt/status";
 Dir::State::lists "$folder/apt/lists";
 Dir::Cache "$folder/apt";
 Dir::Cache::archives "$folder/apt/archives";
-APT::Architecture "$architecture";
-APT::Architectures { "$architecture"; };
+APT::Architecture "${architecture%-*}";
+APT::Architectures { "${architecture%-*}"; };
 APT::Install-Recommends "false";
 APT::Sandbox::User "";
 Acquire::Languages "none";
@@ -90,7 +94,7 @@ find "$root" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; 
   ln -sfnr "$root$target" "$link"
 done
 
-if [ "$architecture" = arm64 ]; then
+if [ "$triplet" = aarch64-linux-gnu ]; then
   # Links that the packages' own scripts would make.
   for library in blas lapack; do
     ln -sfr "$root/usr/lib/$triplet/$library/lib$library.so.3" "$root/usr/lib/$triplet/"
@@ -104,6 +108,7 @@ cpp = [$cache'$triplet-g++']
 ar = '$triplet-ar'
 strip = '$triplet-strip'
 pkgconfig = 'pkg-config'
+exe_wrapper = '$folder/run'
 
 [built-in options]
 c_args = ['--sysroot=$root']
