@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The preferred grid of maps. Elements query downstream for it, as caps of frames have no grid and a
-// tee mixes the preferences in caps. The grid of a stream of maps is one that its caps allow. A
+// The preferred grid of maps. Elements query downstream for it, as caps of frames have no grid, and
+// a tee mixes the preferences in caps. The grid of a stream of maps is one that its caps allow. A
 // sink that prefers another grid than before sends an event upstream.
 #pragma once
 

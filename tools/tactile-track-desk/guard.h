@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-/// Admits requests, and limits them. The browser of the user is trusted with the token; other pages in it
-/// and other programs are not.
+/// Admits requests, and limits them. The browser of the user is trusted with the token; other pages
+/// in it and other programs are not.
 class Guard
 {
 public:

@@ -24,8 +24,8 @@ namespace {
 /// How long a board is tried to be stopped that takes nothing or is unplugged.
 constexpr auto kPatience = 10s;
 constexpr auto kTryAgain = 50ms;
-/// The kernel takes the board from a player that has just ended. Later on, another player that has it
-/// began with a reset.
+/// The kernel takes the board from a player that has just ended. Later on, another player has it,
+/// which began with a reset.
 constexpr auto kBusy = 1s;
 
 /// The board at a bus path; none if there is none.

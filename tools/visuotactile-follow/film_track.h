@@ -60,7 +60,7 @@ public:
   {
     return what_;
   }
-  /// The position that a player reports at the film's 0:00, if it counts from elsewhere; 0: unknown.
+  /// The position of a player at the film's 0:00, if it counts from elsewhere; 0: unknown.
   follow::Time told_at_start() const
   {
     return file_.start.told;
