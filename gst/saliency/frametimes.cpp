@@ -18,7 +18,7 @@ FrameTimes::of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &seg
   constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
   const GstClockTime pts = GST_BUFFER_PTS(frame);
   Time time(static_cast<gint64>(std::min(pts, kLatest)));
-  if (!GST_CLOCK_TIME_IS_VALID(pts))
+  if (standing_.stands(pts) || !GST_CLOCK_TIME_IS_VALID(pts))
     time = next_;
   else if (segment.format == GST_FORMAT_TIME && segment.rate < 0)
     time = -time;
@@ -33,6 +33,7 @@ FrameTimes::of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &seg
 void
 FrameTimes::reset()
 {
+  standing_.restart();
   next_ = Time(0);
   last_.reset();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../standingtimes.h"
 #include "nanoseconds.h"
 
 #include <gst/video/video.h>
@@ -21,14 +22,20 @@ public:
   /// decoding step back by as many as are between two references, of which encoders make up to 7.
   static constexpr int kReorder = 8;
 
-  /// The next frame. Without a time stamp it follows the last one. So does one whose time stamp
-  /// steps back a little: frames come as they are shown, and some muxers and decoders swap their
-  /// time stamps.
+  /// The next frame. Without a time stamp, or with that of the last one, it follows the last one. So
+  /// does one whose time stamp steps back a little: frames come as they are shown, and some muxers
+  /// and decoders swap their time stamps.
   Span of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &segment);
   /// The next frame follows no other.
   void reset();
+  /// As StandingTimes::is_news().
+  bool stand()
+  {
+    return standing_.is_news();
+  }
 
 private:
-  visuotactile::Time next_{ 0 };             ///< for frames without a time stamp
+  StandingTimes standing_;
+  visuotactile::Time next_{ 0 };             ///< for frames without a time stamp of their own
   std::optional<visuotactile::Time> last_{}; ///< of the last frame
 };

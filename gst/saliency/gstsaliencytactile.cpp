@@ -35,7 +35,9 @@
  * opencv-data; without them, the element posts a warning.
  *
  * A frame that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) has an empty map. Time
- * stamps that decrease by up to eight frames do not interrupt the analysis.
+ * stamps that decrease by up to eight frames do not interrupt the analysis. Where time stamps do not
+ * advance, as those of a GIF in GStreamer 1.22, the element posts one warning, and the analysis goes
+ * by the frame rate.
  *
  * ## Example launch lines
  * |[
@@ -272,6 +274,13 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   }
 
   const auto [time, duration] = priv->times.of(buffer, priv->info, transform->segment);
+  if (priv->times.stand())
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT,
+                        ("The frames' times do not advance: sinks show them all at once, and "
+                         "little is felt."),
+                        ("expected times that rise from frame to frame, got %" GST_TIME_FORMAT
+                         " for each; ffmpeg may convert the film, such as a GIF",
+                         GST_TIME_ARGS(GST_BUFFER_PTS(buffer))));
   gst_saliency_tactile_orient(self, settings);
 
   // Pixels that a decoder invented for lost data are not felt. The history continues with the next
@@ -425,6 +434,7 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
   self->priv->warned_map = self->priv->warned_size = self->priv->warned_people = false;
   self->priv->late = false;
   self->priv->analysis.stop();
+  self->priv->times = {};
   gst_saliency_tactile_reset(self);
   GST_OBJECT_LOCK(self);
   self->priv->stats = {};

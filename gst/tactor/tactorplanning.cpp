@@ -30,6 +30,7 @@ TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
     planner_->resume(account_->uses(now), now);
   }
   stream_ = {};
+  standing_ = {};
   checked_rows_ = checked_columns_ = 0;
   last_end_ = Time(0);
   warned_no_meta_ = warned_grid_ = warned_untimed_ = told_number_ = false;
@@ -51,6 +52,13 @@ TactorPlanning::shown(GstBuffer *buffer, const GstSegment &segment, std::optiona
                         ("The frames have no times: they are felt when they come."),
                         ("expected timestamps, which do-timestamp=true gives those of a live "
                          "source, or a framerate in the caps, got neither"));
+  // Who wrote video frames' maps has told it of them.
+  if (stream_.is_map() && segment.format == GST_FORMAT_TIME && standing_.stands(pts)
+      && standing_.is_news())
+    GST_ELEMENT_WARNING(
+        element_, STREAM, FORMAT, ("The maps' times do not advance: only the last one is felt."),
+        ("expected times that rise from map to map, got %" GST_TIME_FORMAT " for each",
+         GST_TIME_ARGS(pts)));
   return stream_.shown(segment, pts, duration, last_end_, now);
 }
 

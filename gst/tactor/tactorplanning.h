@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../standingtimes.h"
 #include "tactor/command_planner.h"
 #include "tactor/device_account.h"
 #include "tactor/layout.h"
@@ -73,6 +74,7 @@ private:
   guint checked_rows_ = 0; ///< grid compared with the board
   guint checked_columns_ = 0;
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map
+  StandingTimes standing_;
   bool warned_no_meta_ = false;
   bool warned_grid_ = false;
   bool warned_untimed_ = false;

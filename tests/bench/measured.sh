@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, playback, sound, sound-clips, sound-real, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 1, 8, 3, 2, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, mux, playback, sound, sound-clips, sound-real, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 3, 1, 8, 3, 2, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | desk | devices | drafts | follow | playback | sound | sound-clips | sound-real | synth | timing | ways-out) page=$1 ;;
+  calibration | desk | devices | drafts | follow | mux | playback | sound | sound-clips | sound-real | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
@@ -20,6 +20,7 @@ case $page in
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
+  mux) targets=tools/tactile-track ;;
   sound) targets=tests/sound/sound_quality ;;
   sound-clips) targets=tools/tactile-track ;;
   sound-real) targets=tests/sound/sound_real ;;
@@ -284,6 +285,17 @@ MultiFunPlayer, a third of the way to each report.
 
 CAPTION
       "$built/tests/bench/follow"
+      ;;
+    mux)
+      head_of "Copies of films with a track"
+      cat <<'CAPTION'
+What `tactile-track mux` makes of films that ffmpeg writes, and of those of ../shared/data/files. Whole: streams, packets, times, decoded
+pictures, side data, names, languages, flags, chapters and attachments are those of the film, by ffprobe and by the
+sums of ffmpeg's pictures, and the track begins at the film's 0:00. Without: the copy lacks this, which tactile-track names and
+its status (3) says. No copy: it refuses (status 1).
+
+CAPTION
+      TRACK="$built/tools/tactile-track" /usr/bin/python3 "$here/../tools/mux_films.py" --all
       ;;
     playback)
       head_of "CPU time of playing a film"

@@ -60,7 +60,7 @@ chmod +x initramfs/init
 (cd initramfs && find . | busybox cpio -o -H newc 2>/dev/null | gzip -1) >initramfs.gz
 
 status=0
-timeout 3600 qemu-system-x86_64 -accel tcg,thread=single -icount shift=1,sleep=off -cpu max -smp 1 -m 1024 -nographic -no-reboot \
+timeout --foreground 3600 qemu-system-x86_64 -accel tcg,thread=single -icount shift=1,sleep=off -cpu max -smp 1 -m 1024 -nographic -no-reboot \
   -kernel "image/boot/vmlinuz-$version" -initrd initramfs.gz -append "console=ttyS0 quiet loglevel=0 panic=-1" \
   -virtfs local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap </dev/null 2>&1 |
   stdbuf -oL tr -d '\r' | tee log | sed -un '/^[ 0-9.]*\(case\|ok\|FAIL\|     \|[0-9]* passed\)/p' || status=$?

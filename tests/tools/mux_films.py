@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Copies of foreign films with a track: what goes in comes out, by ffprobe and by decoded pictures.
 
-Usage: mux_films.py [--all | NAME ...]      (TRACK: tactile-track; without names, those of CHOSEN)
+Usage: mux_films.py [--all | NAME ...]      (TRACK: tactile-track; without names, those of CHOSEN; --all makes the table of docs/measured/mux.md)
 """
 import concurrent.futures
 import json
@@ -15,6 +15,7 @@ import tempfile
 TRACK = os.environ["TRACK"]
 SHARED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/files")
 SECONDS = 2
+MOST_INPUTS = 24  # of one ffmpeg
 # What films are made of: one ffmpeg makes them all, as its start takes longer than a film.
 INPUTS = (f"-f lavfi -i testsrc2=size=160x120:rate=25:duration={SECONDS} -f lavfi -i sine=frequency=440:duration={SECONDS}"
           f" -f lavfi -i sine=frequency=880:duration={SECONDS} -i words.srt -i more.srt -i chapters.txt -i cover.png")
@@ -78,7 +79,8 @@ FILMS = {
     "theora.ogv": (f"{PICTURE} {SOUND} -c:v libtheora -c:a libvorbis", {"mp4": None, "ts": None}),
     "vfr.mkv": (f"{PICTURE} {X264} -vf setpts=N*N*0.0009/TB -fps_mode vfr", {}),
     "anamorphic.mkv": (f"{PICTURE} {X264} -vf setsar=16/11", {}),
-    "stereo.mkv": (f"{PICTURE} {X264} -metadata:s:v stereo_mode=left_right", {"ts": ["stereo 3d", "^video 0: side"]}),
+    "uneven.mkv": (f"{PICTURE} {SOUND} {X264} -vf setpts=N*N*0.0009/TB -fps_mode vfr -c:a aac -metadata:s:v stereo_mode=left_right -output_ts_offset 36000",
+                   {"ts": ["stereo 3d", "^video 0: side"]}),
 }
 # Of shared/data/files, where they are.
 for name in ("base.mkv", "bfonly.mkv", "h264.avi", "xvid.avi", "raw.h264", "rot90.mp4", "alpha.webm", "hours.ts", "wrap_s.ts", "reschange.ts", "vfr.mkv"):
@@ -87,10 +89,10 @@ FILMS["shared/rot90.mp4"] = (None, FILMS["rotated.mov"][1])
 FILMS["shared/alpha.webm"] = (None, FILMS["alpha.webm"][1])
 FILMS["shared/base.mkv"] = (None, {"ts": ["language 'eng'", "^video 0: language", "title 'Video'", "^video 0: title", "creation_time"]})
 
-# What the suite tries. Others take the same ways: they are tried with --all.
-CHOSEN = {"many.mkv": "mkv mp4 ts", "xvid.avi": "mp4", "prores.mov": "mkv", "bframes.mkv": "mp4 ts", "edit_list.mp4": "mkv ts", "fragments.mp4": "ts", "hdr.mkv": "mp4", "hdr.mp4": "mkv", "alpha.webm": "mkv mp4", "alpha_opus.webm": "mkv", "alpha_vp8.webm": "mkv", "opus.webm": "mkv", "vp8.webm": "ts",
-          "ps.mpg": "mkv mp4", "mpeg2.ts": "ts", "h264.avi": "mkv mp4", "raw.h264": "mkv", "wrap.ts": "mkv", "hours.mkv": "mp4",
-          "programs.ts": "ts", "tracked.ts": "mkv ts", "rotated.mov": "mkv ts", "many.mp4": "mkv mp4", "cover.mp4": "mkv mp4", "stereo.mkv": "mp4", "vfr.mkv": "mp4"}
+# What the suite tries: each way of copying, and each kind of thing that a copy may lose. Others take the same ways: they are tried with --all.
+CHOSEN = {"many.mkv": "mkv mp4 ts", "many.mp4": "mkv", "xvid.avi": "mp4", "h264.avi": "mp4", "raw.h264": "mkv", "ps.mpg": "mkv", "edit_list.mp4": "ts",
+          "hdr.mkv": "mp4", "alpha.webm": "mp4", "alpha_opus.webm": "mkv ts", "uneven.mkv": "mp4", "wrap.ts": "mkv", "programs.ts": "ts",
+          "tracked.ts": "mkv ts", "rotated.mov": "mkv ts", "cover.mp4": "mp4"}
 
 CUES = [(0.0, 0.4, 0), (0.4, 0.8, 75), (0.8, 1.2, 0), (1.2, 1.72, 100), (1.72, 2.0, 0)]
 
@@ -152,18 +154,20 @@ class Film:
 
 
 def pictures(paths):
-    """The times and sums of each film's decoded pictures, by one ffmpeg."""
+    """The times and sums of each film's decoded pictures, by path: by one ffmpeg, as its start takes longer, or by one each where it fails."""
     inputs, outputs = [], []
+    sums = {path: f"{path.replace('/', '_')}.md5" for path in paths}
     for index, path in enumerate(paths):
-        inputs += ["-noautorotate", *decoder(path), "-i", "file:" + path]
-        outputs += ["-map", f"{index}:v:0", "-fps_mode", "passthrough", "-enc_time_base", "1/90000", "-f", "framemd5", f"{path.replace('/', '_')}.md5"]
-    run("ffmpeg", "-nostdin", "-y", "-v", "quiet", "-copyts", *inputs, *outputs, status=(0, 1))
-    found = []
+        inputs += ["-noautorotate", "-threads", "1", *decoder(path), "-i", "file:" + path]
+        outputs += ["-map", f"{index}:v:0", "-fps_mode", "passthrough", "-enc_time_base", "1/90000", "-f", "framemd5", sums[path]]
+    if run("ffmpeg", "-nostdin", "-y", "-v", "quiet", "-copyts", *inputs, *outputs, status=(0, 1)).returncode and len(paths) > 1:
+        return {path: frames for one in paths for path, frames in pictures([one]).items()}
+    found = {}
     for path in paths:
-        with open(f"{path.replace('/', '_')}.md5", encoding="utf-8") as sums:
-            frames = [line.split(",") for line in sums if not line.startswith("#")]
-        found.append([(int(one[2]) / 90000, one[5].strip()) for one in frames])
-        assert found[-1], f"{path} has no pictures"
+        with open(sums[path], encoding="utf-8") as lines:
+            frames = [line.split(",") for line in lines if not line.startswith("#")]
+        found[path] = [(int(one[2]) / 90000, one[5].strip()) for one in frames]
+        assert found[path], f"{path} has no pictures"
     return found
 
 
@@ -249,24 +253,46 @@ def differences(film, copy):
     return found
 
 
-def judge(name, path, containers):
-    """What is wrong with a film's copies, by container."""
-    expected = {container: FILMS[name][1].get(container, []) for container in containers}
-    outs = {container: f"{name.replace('/', '_')}.{container}" for container in containers}
-    wrong = {}
-    for container, out in outs.items():
-        done = run(TRACK, "mux", path, "track.vtt", "-o", out, status=(0, 1, 3))
-        wrong[container] = judge_words(done, expected[container], os.path.exists(out))
-    copies = {container: out for container, out in outs.items() if os.path.exists(out)}
-    if copies:
-        film, *films = map(Film, [path, *copies.values()], pictures([path, *copies.values()]))
-        for container, copy in zip(copies, films):
+class Copies:
+    """Of a film: what was told of each, and what is wrong with it, by container."""
+
+    def __init__(self, name, path, containers):
+        self.name, self.path = name, path
+        self.expected = {container: FILMS[name][1].get(container, []) for container in containers}
+        self.outs = {container: f"{name.replace('/', '_')}.{container}" for container in containers}
+        self.told, self.wrong = {}, {}
+
+    def make(self):
+        for container, out in self.outs.items():
+            done = run(TRACK, "mux", self.path, "track.vtt", "-o", out, status=(0, 1, 3))
+            self.told[container] = [line.removeprefix("tactile-track: ").removeprefix(f"not in '{out}': ") for line in done.stderr.splitlines()]
+            self.wrong[container] = judge_words(done, self.expected[container], os.path.exists(out))
+        self.outs = {container: out for container, out in self.outs.items() if os.path.exists(out)}
+        return self
+
+    def paths(self):
+        return [self.path, *self.outs.values()] if self.outs else []
+
+    def compare(self, frames):
+        if self.outs:
+            film = Film(self.path, frames[self.path])
+        for container, out in self.outs.items():
+            copy = Film(out, frames[out])
             # What was told may differ.
-            wrong[container] += [line for line in differences(film, copy) if not any(re.search(pattern, line) for pattern in expected[container])]
-            if container == "ts" and ".ts" in name and other_packets(film) != other_packets(copy):
-                wrong[container].append("other packets of the transport stream")
-            os.remove(copy.path)
-    return wrong
+            self.wrong[container] += [line for line in differences(film, copy) if not any(re.search(pattern, line) for pattern in self.expected[container])]
+            if container == "ts" and ".ts" in self.name and other_packets(film) != other_packets(copy):
+                self.wrong[container].append("other packets of the transport stream")
+            os.remove(out)
+        return self
+
+    def cell(self, container):
+        """Of a table."""
+        if self.wrong[container]:
+            return "**" + "; ".join(self.wrong[container]) + "**"
+        told = [re.sub(r"^no copy of '.*' can be made: ", "", line).replace("|", "/") for line in self.told[container]]
+        if self.expected[container] is None:
+            return "no copy: " + "; ".join(told)
+        return "without " + "; ".join(told) if told else "whole"
 
 
 def judge_words(done, expected, is_there):
@@ -308,14 +334,24 @@ def main():
             chapters.write(";FFMETADATA1\n[CHAPTER]\nTIMEBASE=1/1000\nSTART=0\nEND=1000\ntitle=To begin with\n[CHAPTER]\nTIMEBASE=1/1000\nSTART=1000\nEND=2000\ntitle=In the end\n")
         ffmpeg("-f lavfi -i color=red:size=32x32:duration=1:rate=1 -frames:v 1 cover.png")
         every = "mkv mp4 ts"
-        chosen = {name: every for name in (FILMS if sys.argv[1:] == ["--all"] else sys.argv[1:])} or CHOSEN
+        shows_all = sys.argv[1:] == ["--all"]
+        chosen = {name: every for name in (FILMS if shows_all else sys.argv[1:])} or CHOSEN
         paths = make(chosen)
-        failed = False
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
-            for name, wrong in zip(paths, pool.map(lambda name: judge(name, paths[name], chosen[name].split()), paths)):
-                for container, lines in wrong.items():
-                    failed |= bool(lines)
-                    print(f"{name} -> {container}: {'; '.join(lines) if lines else 'the same'}", flush=True)
+            films = list(pool.map(Copies.make, [Copies(name, path, chosen[name].split()) for name, path in paths.items()]))
+            every_path = [path for film in films for path in film.paths()]
+            frames = {}
+            for found in pool.map(pictures, [every_path[at:at + MOST_INPUTS] for at in range(0, len(every_path), MOST_INPUTS)]):
+                frames |= found
+            films = list(pool.map(lambda film: film.compare(frames), films))
+        if shows_all:
+            print("| film | in Matroska | in MP4 | in a transport stream |\n|---|---|---|---|")
+        for film in films:
+            if shows_all:
+                print(f"| {film.name} | {' | '.join(map(film.cell, every.split()))} |")
+            else:
+                print(*(f"{film.name} -> {container}: {'; '.join(lines) or 'as it should be'}" for container, lines in film.wrong.items()), sep="\n")
+        failed = any(lines for film in films for lines in film.wrong.values())
         left = [name for name in os.listdir(".") if name.startswith(".")]
         assert not left, left
     sys.exit(failed)

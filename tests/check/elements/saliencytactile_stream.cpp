@@ -121,6 +121,26 @@ GST_START_TEST(test_swapped_times)
 }
 GST_END_TEST;
 
+/// All frames have one time, as GStreamer 1.22 reads a GIF: one warning, and the analysis goes by the
+/// frame rate.
+GST_START_TEST(test_standing_times)
+{
+  const SquareFilm film("I420", 0, 2);
+  Analysis analysis;
+  analysis.set_caps(film.caps);
+  std::vector<gfloat> levels;
+  for (GstBuffer *frame : film.frames) {
+    GstBuffer *copy = gst_buffer_copy(frame);
+    GST_BUFFER_PTS(copy) = 0;
+    levels = analysis.felt(copy);
+  }
+  fail_unless(std::ranges::max(levels) > 0, "no cue for the event");
+  ck_assert_uint_eq(strongest(levels), 2);
+  fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
+  fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
+}
+GST_END_TEST;
+
 /// What a decoder made up for lost data is not felt, and the history goes on: the square that is
 /// there in corrupted frames is an event once it is there in a whole one.
 GST_START_TEST(test_corrupted_frames)
@@ -258,6 +278,7 @@ saliencytactile_stream_suite(void)
   tcase_add_test(cases, test_floor_silences);
   tcase_add_test(cases, test_no_burst_after_resets);
   tcase_add_test(cases, test_swapped_times);
+  tcase_add_test(cases, test_standing_times);
   tcase_add_test(cases, test_corrupted_frames);
   tcase_add_test(cases, test_reverse);
   tcase_add_test(cases, test_max_rate);

@@ -172,6 +172,20 @@ GST_START_TEST(test_frames_without_times)
 }
 GST_END_TEST;
 
+/// One warning says that the times of maps do not advance.
+GST_START_TEST(test_standing_times)
+{
+  SinkRig rig;
+  g_object_set(rig.element, "sync", FALSE, nullptr);
+  rig.start();
+  for (int i = 0; i < 20; i++)
+    ck_assert_int_eq(rig.push(0, { 1.0f, 0.0f, 0.0f, 0.0f }), GST_FLOW_OK);
+  rig.end();
+  fail_unless(rig.messages.has(GST_MESSAGE_WARNING));
+  fail_if(rig.messages.has(GST_MESSAGE_WARNING));
+}
+GST_END_TEST;
+
 /// Where nothing paces them, they follow each other.
 GST_START_TEST(test_frames_without_times_or_clock)
 {
