@@ -22,9 +22,9 @@ public:
   /// decoding step back by as many as are between two references, of which encoders make up to 7.
   static constexpr int kReorder = 8;
 
-  /// The next frame. Without a time stamp, or with that of the last one, it follows the last one. So
-  /// does one whose time stamp steps back a little: frames come as they are shown, and some muxers
-  /// and decoders swap their time stamps.
+  /// The next frame. Without a time stamp, or with that of the last one, it follows the last one.
+  /// So does one whose time stamp steps back a little: frames come as they are shown, and some
+  /// muxers and decoders swap their time stamps.
   Span of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &segment);
   /// The next frame follows no other.
   void reset();

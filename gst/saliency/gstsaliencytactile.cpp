@@ -35,9 +35,9 @@
  * opencv-data; without them, the element posts a warning.
  *
  * A frame that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) has an empty map. Time
- * stamps that decrease by up to eight frames do not interrupt the analysis. Where time stamps do not
- * advance, as those of a GIF in GStreamer 1.22, the element posts one warning, and the analysis goes
- * by the frame rate.
+ * stamps that decrease by up to eight frames do not interrupt the analysis. If time stamps do not
+ * advance, as in a GIF with GStreamer 1.22, the element posts one warning and analyzes by the frame
+ * rate.
  *
  * ## Example launch lines
  * |[

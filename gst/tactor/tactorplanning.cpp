@@ -52,7 +52,7 @@ TactorPlanning::shown(GstBuffer *buffer, const GstSegment &segment, std::optiona
                         ("The frames have no times: they are felt when they come."),
                         ("expected timestamps, which do-timestamp=true gives those of a live "
                          "source, or a framerate in the caps, got neither"));
-  // Who wrote video frames' maps has told it of them.
+  // The element that wrote the maps of video frames posts the warning about those.
   if (stream_.is_map() && segment.format == GST_FORMAT_TIME && standing_.stands(pts)
       && standing_.is_news())
     GST_ELEMENT_WARNING(

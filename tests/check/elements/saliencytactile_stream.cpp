@@ -121,8 +121,8 @@ GST_START_TEST(test_swapped_times)
 }
 GST_END_TEST;
 
-/// All frames have one time, as GStreamer 1.22 reads a GIF: one warning, and the analysis goes by the
-/// frame rate.
+/// All frames have one time, as GStreamer 1.22 reads a GIF: one warning, and the analysis goes by
+/// the frame rate.
 GST_START_TEST(test_standing_times)
 {
   const SquareFilm film("I420", 0, 2);
