@@ -79,7 +79,8 @@ HeldStream::drain()
 static bool
 outlives_a_flush(GstMiniObject *held)
 {
-  return GST_IS_EVENT(held) && GST_EVENT_IS_STICKY(held)
+  return GST_IS_EVENT(held)
+         && (gst_event_type_get_flags(GST_EVENT_TYPE(held)) & GST_EVENT_TYPE_STICKY)
          && GST_EVENT_TYPE(held) != GST_EVENT_SEGMENT && GST_EVENT_TYPE(held) != GST_EVENT_EOS;
 }
 

@@ -337,7 +337,7 @@ static gboolean
 track_query(GstPad *pad, GstObject *parent, GstQuery *query)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(parent)->priv;
-  if (!GST_QUERY_IS_SERIALIZED(query))
+  if (!(gst_query_type_get_flags(GST_QUERY_TYPE(query)) & GST_QUERY_TYPE_SERIALIZED))
     return priv->query_track(pad, parent, query);
   {
     const std::lock_guard lock(priv->mutex);

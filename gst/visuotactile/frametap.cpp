@@ -104,11 +104,12 @@ FrameTap::follow(GstEvent *event)
 void
 FrameTap::pass(GstEvent *event)
 {
-  if (GST_EVENT_IS_SERIALIZED(event) && GST_EVENT_TYPE(event) != GST_EVENT_STREAM_START
-      && GST_EVENT_TYPE(event) != GST_EVENT_FLUSH_STOP)
+  const GstEventType type = GST_EVENT_TYPE(event);
+  if ((gst_event_type_get_flags(type) & GST_EVENT_TYPE_SERIALIZED) && type != GST_EVENT_STREAM_START
+      && type != GST_EVENT_FLUSH_STOP)
     catch_up();
   const GstSegment *segment = nullptr;
-  switch (GST_EVENT_TYPE(event)) {
+  switch (type) {
   case GST_EVENT_STREAM_START:
     told_ = true;
     shift_.start_stream(event);

@@ -155,7 +155,7 @@ step() {
     status=1
   fi
   echo "| $release | $architecture | $name | ${result:-yes} | $((SECONDS - since)) s |"
-  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s, $commit" >"$cache/rows/$release-$architecture-$name"
+  [[ -n $tests && $name == tests ]] || echo "${result:-yes}, $((SECONDS - since)) s${compiled:+ (ccache)}, $commit" >"$cache/rows/$release-$architecture-$name"
 }
 echo "| machine | architecture | step | result | time |"
 echo "|---|---|---|---|---|"
@@ -172,7 +172,7 @@ else
   [[ ,$steps, != *,tests,* ]] || parts+=" test players docs"
   step set-up "${compiled:+apt-get -qq update; apt-get -qq install -y ccache;} tools/setup.sh $parts; "'g++ --version | sed -n "1s/^/result: /p"'
   step build 'meson setup build; ninja -C build play | tee /tmp/log; echo "result: $(grep -c warning: /tmp/log || true) warnings"'
-  step film 'export XDG_RUNTIME_DIR=/tmp; gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm
+  step film 'export XDG_RUNTIME_DIR=/tmp; GST_PLUGIN_PATH=$PWD/build/gst gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm
     VISUOTACTILE_NO_SETUP=1 pipelines/play.sh --no-window --output=/tmp/played /tmp/film.webm; n=$(sed 1d /tmp/played/commands.csv | wc -l); [ "$n" -gt 0 ]; echo "result: $n commands"'
   step tests "tests/run.sh $tests"
   step packages 'tools/setup.sh build packages; lintian --version; tools/packages.sh /packages; echo "result: $(ls /packages/*.deb | wc -l) packages, lintian silent"'
