@@ -90,10 +90,10 @@ struct GstSaliencyTactilePrivate
   {
   }
 
-  SaliencySettings settings;           ///< object lock
-  SaliencyStatistics stats;            ///< object lock
-  std::atomic<bool> late = false;      ///< frames come late downstream (QoS)
-  std::atomic<bool> asks_grid = false; ///< of downstream, before the next frame
+  SaliencySettings settings;              ///< object lock
+  SaliencyStatistics stats;               ///< object lock
+  std::atomic<bool> late = false;         ///< frames come late downstream (QoS)
+  std::atomic<bool> queries_grid = false; ///< of downstream, before the next frame
 
   // Streaming thread only.
   GstVideoInfo info;
@@ -104,7 +104,7 @@ struct GstSaliencyTactilePrivate
   tactile::Orientation orientation; ///< of the last frame
   tactile::CueLimiter limiter;
   FrameTimes times;
-  guint rows = 0; ///< that downstream asks for
+  guint rows = 0; ///< of the grid that downstream prefers
   guint columns = 0;
   bool warned_map = false;
   bool warned_size = false;
@@ -233,14 +233,14 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
   GST_OBJECT_UNLOCK(self);
 }
 
-/// The settings, with the grid that downstream asks for unless the user has set one.
+/// The settings, with the grid that downstream prefers unless the user has set one.
 static SaliencySettings
 gst_saliency_tactile_agree(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->asks_grid.exchange(false)) {
+  if (priv->queries_grid.exchange(false)) {
     wanted_grid_of_frames(GST_BASE_TRANSFORM_SRC_PAD(self), &priv->rows, &priv->columns);
-    GST_DEBUG_OBJECT(self, "downstream asks for %u x %u", priv->rows, priv->columns);
+    GST_DEBUG_OBJECT(self, "downstream prefers %u x %u", priv->rows, priv->columns);
   }
   GST_OBJECT_LOCK(self);
   SaliencySettings settings = priv->settings;
@@ -283,8 +283,8 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
                          GST_TIME_ARGS(GST_BUFFER_PTS(buffer))));
   gst_saliency_tactile_orient(self, settings);
 
-  // What a decoder made up for lost data is not felt. The history goes on with the next whole
-  // frame.
+  // Pixels that a decoder invented for lost data are not felt. The history continues with the next
+  // whole frame.
   const bool is_whole = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_CORRUPTED);
   // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;
@@ -293,7 +293,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyze(self, settings, buffer, time, duration);
       spent = gst_util_get_timestamp() - begin;
-    } catch (const std::exception &e) { // memory is out; nothing else is told by an exception
+    } catch (const std::exception &e) { // out of memory: no other exception is thrown
       GST_ELEMENT_ERROR(self, RESOURCE, NO_SPACE_LEFT,
                         ("No memory to analyze such large frames: scale them down before."),
                         ("%s", e.what()));
@@ -346,7 +346,7 @@ gst_saliency_tactile_reset(GstSaliencyTactile *self)
   priv->times.reset();
 }
 
-/// What is known of caps that GstVideoInfo does not know.
+/// Size and frame rate of caps that GstVideoInfo does not support.
 static void
 gst_saliency_tactile_guess(GstSaliencyTactile *self, GstCaps *caps)
 {
@@ -369,15 +369,14 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
   if (!parsed)
     gst_saliency_tactile_guess(self, incaps);
   priv->negotiated = true;
-  priv->asks_grid = true;
+  priv->queries_grid = true;
   priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
   priv->live = latency::is_live(GST_BASE_TRANSFORM_SINK_PAD(transform));
   return TRUE;
 }
 
-/// What comes late is not made later by a wait for people. A device or a new neighbor may want
-/// another grid.
+/// A late frame does not wait for people, too. A device or a new neighbor may prefer another grid.
 static gboolean
 gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
 {
@@ -387,7 +386,7 @@ gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
     GST_SALIENCY_TACTILE(transform)->priv->late = late > 0;
   }
   if (is_grid_event(event) || GST_EVENT_TYPE(event) == GST_EVENT_RECONFIGURE)
-    GST_SALIENCY_TACTILE(transform)->priv->asks_grid = true;
+    GST_SALIENCY_TACTILE(transform)->priv->queries_grid = true;
   if (is_grid_event(event)) {
     gst_event_unref(event);
     return TRUE;
