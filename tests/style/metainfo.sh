@@ -6,7 +6,10 @@
 set -euo pipefail
 cd "$1"
 file=data/metainfo/org.visuotactile.visuotactile.metainfo.xml
-appstreamcli validate --no-net --pedantic "$file"
+# There is no homepage yet, for which only appstreamcli since 1.0 asks.
+overrides=()
+appstreamcli --version | grep -q ' 0\.' || overrides=(--override=url-homepage-missing=info)
+appstreamcli validate --no-net --pedantic "${overrides[@]}" "$file"
 wrong() {
   echo "$file: $*"
   exit 1

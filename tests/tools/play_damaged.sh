@@ -25,7 +25,8 @@ ends_early() {
 survives() {
   play -o o "$work/$1"
   expect_all o 0.2 1.1
-  grep -qE '^Played +(1\.0|0\.9) s' out || expect_line out '^Film broken'
+  # To oggdemux of GStreamer 1.26 the film ends where it is damaged.
+  grep -qE '^Played +(1\.0|0\.9) s' out || grep -qE '^Played +(0\.[0-9]) s of \1 s$' out || expect_line out '^Film broken'
 }
 
 # plays_what_is_there FILM

@@ -45,6 +45,10 @@ end_missing_sound(GstElement *pipeline)
   const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
   if (gst_pad_is_linked(pad.get()))
     return false;
+  // matroskamux of GStreamer 1.26 never goes on with a stream that ends without caps.
+  if (const Owned<GstElement> mux{ gst_bin_get_by_name(GST_BIN(pipeline), "mux") })
+    if (const Owned<GstPad> unheard{ gst_element_get_static_pad(mux.get(), "audio_0") })
+      gst_element_release_request_pad(mux.get(), unheard.get());
   gst_pad_send_event(pad.get(), gst_event_new_stream_start("no sound"));
   gst_pad_send_event(pad.get(), gst_event_new_eos());
   return true;
