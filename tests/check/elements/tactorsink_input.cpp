@@ -451,6 +451,7 @@ tactorsink_input_suite(void)
   tcase_add_test(cases, test_video_frames_with_and_without_meta);
   tcase_add_test(cases, test_missing_pts_follow_each_other);
   tcase_add_test(cases, test_frames_without_times);
+  tcase_add_test(cases, test_standing_times);
   tcase_add_test(cases, test_frames_without_times_or_clock);
   tcase_add_test(cases, test_negative_running_time);
   tcase_add_test(cases, test_lost_data_are_no_gap);
