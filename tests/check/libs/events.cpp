@@ -267,6 +267,37 @@ GST_START_TEST(test_duration)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_hold_has_conditions)
+{
+  // A disc appears on the left and stays. Ten frames later it is held, before a camera at rest. It
+  // is not while another disc moves on the right, nor while the camera pans: then only the mean is
+  // left, whose half-life is three frames.
+  const auto left_after = [](double pan, bool other) {
+    EventMap events;
+    double left = 0;
+    for (int i = -20; i <= 10; ++i) {
+      const double x0 = pan * i; // the camera's way
+      const LabImage now = picture([&](double x, double y) {
+        if (i >= 0 && in_disc(x + x0, y, 25, 30, 6))
+          return 95.0;
+        if (other && in_disc(x, y, 70 + 2 * (i % 8), 30, 6))
+          return 95.0;
+        return texture(x + x0, y);
+      });
+      const cv::Mat &map = events(
+          { .picture = now, .contrast = contrast(10), .pose = { 1, 0, x0, 0 }, .elapsed = 1 });
+      left = largest(map(cv::Rect(0, 0, kWidth / 4, kHeight / 2)));
+    }
+    return left;
+  };
+  const double held = left_after(0, false);
+  fail_unless(held > 2, "%g", held);
+  fail_unless_at_most(left_after(0, true), held / 2);
+  // The way of two frames at .4 samples of 100, in 160ths of the width, divides the map.
+  fail_unless_at_most(left_after(0.4, false) * (1 + 0.8 * 1.6), held / 2);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_rebase)
 {
   // Another frame of reference gives the same maps.
@@ -334,6 +365,7 @@ events_suite(void)
   tcase_add_test(tc, test_step);
   tcase_add_test(tc, test_what_goes_is_no_event);
   tcase_add_test(tc, test_duration);
+  tcase_add_test(tc, test_hold_has_conditions);
   tcase_add_test(tc, test_rebase);
   tcase_add_test(tc, test_strength);
   return suite;
