@@ -37,9 +37,9 @@ class SpatialSaliency
 public:
   explicit SpatialSaliency(const Profile &profile);
 
-  /// The map at the saliency level: a finer one is reduced like the pyramid, a coarser one upsampled
-  /// on its grid. `pyramid` holds L*a*b* levels finest…coarsest. The result is CV_32FC1, ≥ 0, valid
-  /// until the next call.
+  /// The map at the saliency level: a finer one is reduced like the pyramid, a coarser one
+  /// upsampled on its grid. `pyramid` holds L*a*b* levels finest…coarsest. The result is CV_32FC1,
+  /// ≥ 0, valid until the next call.
   const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team = {});
 
 private:
