@@ -445,11 +445,12 @@ read_sem(std::string_view text)
                         XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING
                             | XML_PARSE_BIG_LINES | XML_PARSE_NOCDATA));
   if (!document) {
-    std::string reason = context->lastError.message ? context->lastError.message : "no XML";
+    const xmlError *error = xmlCtxtGetLastError(context.get());
+    std::string reason = error && error->message ? error->message : "no XML";
     while (!reason.empty() && reason.back() == '\n')
       reason.pop_back();
     return tl::unexpected(FormatError::at_line(
-        static_cast<std::size_t>(std::max(context->lastError.line, 1)), std::move(reason)));
+        static_cast<std::size_t>(error ? std::max(error->line, 1) : 1), std::move(reason)));
   }
   if (document->intSubset || document->extSubset)
     return tl::unexpected(FormatError::at_line(1, "documents with a DTD are not read"));
