@@ -58,7 +58,7 @@ public:
   }
 
 private:
-  /// The bands depend on it.
+  /// The bands depend on this geometry.
   struct Geometry
   {
     ColorModel model = ColorModel::yuv;

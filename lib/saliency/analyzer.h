@@ -19,12 +19,12 @@ namespace saliency {
 /// modified.
 struct Saliency
 {
-  /// CV_32FC1 of the size of pyramid level `Profile::saliency_level`, finite and ≥ 0. In ΔE, or in
-  /// the units of N(·) if the profile normalizes.
+  /// CV_32FC1 of the size of level frame_levels().saliency, finite and ≥ 0. In ΔE; with
+  /// Method::paper in the units of N(·).
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
-  /// How strong the events are, ≥ 0, relative to the film's last minutes (Strength). 0 if the
-  /// profile has no events.
+  /// How strong the events are, ≥ 0, relative to the film's last minutes (Strength). 0 with
+  /// Method::paper.
   double strength = 0;
   /// The picture's rectangle in the map, where sample i covers [i, i + 1). Sample i of level n is
   /// centered on pixel 2ⁿ·i, so the picture's edges are not the map's.
@@ -48,7 +48,7 @@ enum class Stage
   camera,
   shot_cut,
   spatial,
-  history,
+  history, ///< with Method::paper a part of the next stage
   spatiotemporal,
 };
 

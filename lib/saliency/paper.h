@@ -38,9 +38,9 @@ public:
   /// resets have one size). The result is valid until the next call.
   const cv::Mat &spatiotemporal(const cv::Mat &map, const Team &team = {});
 
-  /// The temporal pyramid, "a level-n image averages the spatial saliency maps of 2ⁿ previous
-  /// frames including the current frame", of fewer at the beginning: T_n, as of the last
-  /// spatiotemporal().
+  /// T_n of the temporal pyramid at the last spatiotemporal(): "a level-n image averages the
+  /// spatial saliency maps of 2ⁿ previous frames including the current frame". At the beginning
+  /// there are fewer.
   const cv::Mat &temporal_level(std::size_t n) const
   {
     return means_.at(n);

@@ -19,7 +19,7 @@ enum class Method
 {
   paper,    ///< Section 3 of the paper, which has its own constants (Paper)
   events,   ///< what moves or appears by itself (EventMap), found by contrast to a coarser level
-  pictures, ///< regions enclosed by another color (Surroundedness) of a rare one (Rarity)
+  pictures, ///< regions that another color encloses (Surroundedness), times Rarity
 };
 
 /// Fewest samples of a map for which the whole picture is judged for shot cuts

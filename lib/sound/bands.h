@@ -39,8 +39,8 @@ struct BandPowers
   std::array<Powers, kMaxSpeakers> of{};
   Powers sum{};        ///< of all channels
   double low_peak = 0; ///< the largest square of a sample of 18–130 Hz
-  /// The octaves' unevenness, in dB: the mean power of a bin above the mean of the bins' powers in
-  /// dB, 2.5 of noise, more of tones.
+  /// Unevenness of each octave, dB: the level of the mean power of its bins minus the mean of their
+  /// levels: 2.5 of noise, more of tones.
   Powers uneven{};
   BinLevels bins{};
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if

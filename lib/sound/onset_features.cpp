@@ -16,7 +16,7 @@ constexpr std::array<std::size_t, 13> kFineBins{ 2, 3, 4, 6, 8, 11, 16, 22, 32, 
 constexpr float kFineFloor = -85; ///< dB
 /// Least mean rise of all fine bands, dB.
 constexpr float kLeastFlux = 1;
-/// The least level of a stroke.
+/// Least mean rise of a stroke, dB.
 constexpr float kLeastStroke = 3;
 /// A voiced sound has at least this voicing.
 constexpr float kVoiced = 0.8F;

@@ -8,7 +8,8 @@
 
 namespace sound {
 
-/// Band powers over time → features that separate impacts from voices, notes and drums, a moment.
+/// Band powers over time → features of each moment that separate impacts from voices, notes and
+/// drums.
 ///
 /// Levels are compared with those just before, with what is usual (running quantiles) and with the
 /// loudest, which is forgotten. All is in dB but for voicing, which counts 10 if it is full.

@@ -14,7 +14,7 @@
 
 #include <unistd.h>
 
-/// How often each other thread went to sleep so far, or nothing where one is awake.
+/// How often each other thread went to sleep so far, or nothing where one is awake or unknown.
 inline std::optional<std::map<std::string, long>>
 sleeps_of_other_threads()
 {
@@ -25,14 +25,19 @@ sleeps_of_other_threads()
     if (id == std::to_string(gettid()))
       continue;
     std::ifstream status(task.path() / "status");
+    bool is_known = false;
     for (std::string name; status >> name; std::getline(status, name)) {
       std::string state;
       if (name == "State:" && status >> state && state != "S")
         return std::nullopt;
       if (name == "voluntary_ctxt_switches:")
-        status >> sleeps[id];
+        is_known = static_cast<bool>(status >> sleeps[id]);
     }
+    if (!is_known)
+      return std::nullopt;
   }
+  if (error)
+    return std::nullopt;
   return sleeps;
 }
 

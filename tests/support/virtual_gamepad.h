@@ -3,6 +3,7 @@
 
 #include <SDL.h>
 
+#include <algorithm>
 #include <array>
 #include <condition_variable>
 #include <functional>
@@ -67,6 +68,12 @@ public:
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return levels_ == levels; });
+  }
+  /// Waits until the grips have had these levels: SDL ends a rumble by itself.
+  void wait_for_grips(const std::array<int, 2> &levels)
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return std::ranges::find(history_, levels) != history_.end(); });
   }
   std::array<int, 4> levels()
   {

@@ -83,7 +83,7 @@ GST_START_TEST(test_auto_touches_none)
         told = event.text;
       } }));
       fail_unless(driver->status().board == "simulator");
-      assert_contains(told, { "simulated", "not asked", "Mega 2560", "--device=1-1" });
+      assert_contains(told, { "simulated", "not probed", "Mega 2560", "--device=1-1" });
     }
     fail_unless(is_untouched(printer), "%04x", description.vendor.value_or(0));
   }
@@ -121,7 +121,7 @@ GST_START_TEST(test_the_only_stranger)
     fail_if(is_untouched(printer));
     fail_if(was_given_dtr(printer));
     const std::size_t before = printer.conversation().size();
-    assert_contains(refusal_of(make_firmata()->open({})).text, { "not asked", "--device=1-1" });
+    assert_contains(refusal_of(make_firmata()->open({})).text, { "not probed", "--device=1-1" });
     fail_unless(printer.conversation().size() == before);
     // Named, it is asked as a board.
     assert_contains(refusal_of(make_firmata(20ms)->open({ .device = "1-1" })).text,

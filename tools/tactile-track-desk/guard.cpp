@@ -35,6 +35,10 @@ equal(const std::string &a, const std::string &b)
   return difference == 0;
 }
 
+constexpr const char *kOtherSite
+    = "expected a request of the desk's own page, got one of another site; open the address that "
+      "tactile-track desk printed";
+
 } // namespace
 
 Guard::Guard(guint16 port) : port_(port), token_(random_token())
@@ -62,10 +66,11 @@ Guard::admit(SoupServerMessage *message) const
     return std::nullopt;
   };
   if (!is_ours(header(message, "Host")))
-    return refuse(403, "expected the host 127.0.0.1 in the request, got another name");
+    return refuse(403, "expected the host 127.0.0.1 or localhost in the request, got another; open "
+                       "the address that tactile-track desk printed");
   const std::string origin = header(message, "Origin");
   if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
-    return refuse(403, "expected a request of the desk's own page, got one of another site");
+    return refuse(403, kOtherSite);
   const std::string path = g_uri_get_path(soup_server_message_get_uri(message));
   const std::size_t slash = path.find('/', 1);
   if (!path.starts_with('/') || slash == std::string::npos
@@ -76,7 +81,7 @@ Guard::admit(SoupServerMessage *message) const
   const std::string site = header(message, "Sec-Fetch-Site");
   const bool opens_page = rest.empty() && header(message, "Sec-Fetch-Mode") == "navigate";
   if (!site.empty() && site != "same-origin" && site != "none" && !opens_page)
-    return refuse(403, "expected a request of the desk's own page, got one of another site");
+    return refuse(403, kOtherSite);
   return rest;
 }
 

@@ -278,7 +278,8 @@ print_report(const Film &film, const PlayReport &report)
               number(report.chair.get(), "issued"), number(report.chair.get(), "late"),
               number(report.chair.get(), "coalesced"));
   if (const auto expired = number(report.chair.get(), "expired"))
-    std::printf(", %llu expired: this machine was too busy or is too slow", expired);
+    std::printf(", %llu expired (too late to be felt: close other programs or play a smaller film)",
+                expired);
   std::printf("\n");
   std::printf("Schedule error %.2f ms p50, %.2f ms p99, %.2f ms max\n",
               milliseconds(report.chair.get(), "error-p50"),

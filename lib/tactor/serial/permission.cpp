@@ -34,9 +34,10 @@ std::string
 permission_advice(const std::string &bus_path, const SystemRoots &roots)
 {
   if (is_marked(bus_path, roots))
-    return "the udev rule gives it to the user at the computer, and you are not (ssh, a "
-           "service, "
-           "another user's session): log in at the computer itself, or let a group use boards: "
+    return "the udev rule gives it to the user at the computer, and you use it from elsewhere "
+           "(ssh, "
+           "a service, another user's session): log in at the computer itself, or let a group use "
+           "boards: "
            "echo "
            "'ENV{VISUOTACTILE_BOARD}==\"1\", GROUP=\"plugdev\", MODE=\"0660\"' | sudo tee "
            "/etc/udev/rules.d/71-visuotactile-group.rules && "

@@ -298,6 +298,34 @@ GST_START_TEST(test_hold_has_conditions)
 }
 GST_END_TEST;
 
+/// While the camera moves, the map is divided by 1 + its way of two frames, in 160ths of the width;
+/// the energy is not. The pose is exact, so there is no misfit to divide by.
+GST_START_TEST(test_way_of_the_camera)
+{
+  const auto after = [](double pan) {
+    EventMap events;
+    double peak = 0;
+    for (int i = 0; i <= 12; ++i) {
+      const double x0 = pan * i;
+      const LabImage now = picture([&](double x, double y) {
+        return in_disc(x, y, 20 + 4 * i, 30, 6) ? 95.0 : texture(x + x0, y);
+      });
+      peak = largest(events(
+          { .picture = now, .contrast = contrast(10), .pose = { 1, 0, x0, 0 }, .elapsed = 1 }));
+    }
+    return std::pair(peak, events.energy());
+  };
+  const auto [still, energy] = after(0);
+  fail_unless(still > 5, "%g", still);
+  for (const double pan : { 0.1, 0.3, 0.6, 1.2 }) {
+    const auto [moved, moved_energy] = after(pan);
+    const double way = 2 * pan * 160 / kWidth;
+    fail_unless_near(moved * (1 + way) / still, 1, 0.15);
+    fail_unless_near(moved_energy / energy, 1, 0.15);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_rebase)
 {
   // Another frame of reference gives the same maps.
@@ -366,6 +394,7 @@ events_suite(void)
   tcase_add_test(tc, test_what_goes_is_no_event);
   tcase_add_test(tc, test_duration);
   tcase_add_test(tc, test_hold_has_conditions);
+  tcase_add_test(tc, test_way_of_the_camera);
   tcase_add_test(tc, test_rebase);
   tcase_add_test(tc, test_strength);
   return suite;

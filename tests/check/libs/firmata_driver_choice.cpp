@@ -256,7 +256,7 @@ GST_START_TEST(test_strangers)
   StrangersRig rig;
   rig.sockets.plug(rig.mega);
   assert_contains(rig.untouched(rig.careful()),
-                  { "Arduino Mega 2560 (serial 7573, at 1-2)", "not asked", "3D printer",
+                  { "Arduino Mega 2560 (serial 7573, at 1-2)", "not probed", "3D printer",
                     "visuotactile-play --feel-test --device=1-2" });
   unwrap(rig.driver.open(rig.careful("1-2")));
   fail_unless(rig.mega.is_open && rig.mega.has_dtr);
@@ -277,7 +277,7 @@ GST_START_TEST(test_strangers)
   elsewhere.refusal = Kind::busy;
   for (const DriverConfig &config : { rig.careful(), rig.config() })
     assert_contains(refusal_of(rig.driver.open(config)).text,
-                    { "is refused; not asked", "Arduino Uno (serial 95, at 1-3)" });
+                    { "is refused; not probed", "Arduino Uno (serial 95, at 1-3)" });
   ck_assert_int_eq(rig.uno.opens, 0);
 }
 GST_END_TEST;
@@ -601,7 +601,7 @@ GST_START_TEST(test_auto)
   for (const EventKind kind : { EventKind::warning, EventKind::opened }) {
     rig.events.clear();
     unwrap(driver.open(rig.config()));
-    assert_contains(rig.text(kind), { "simulated", "not asked", "--device=1-9" });
+    assert_contains(rig.text(kind), { "simulated", "not probed", "--device=1-9" });
     ck_assert_uint_eq(rig.events.size(), 1);
   }
   ck_assert_int_eq(printer.opens, 0);

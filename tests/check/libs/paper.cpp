@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/paper.h"
 
-#include "frame/levels.h"
-#include "saliency/spatial_saliency.h"
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
@@ -85,6 +83,23 @@ GST_START_TEST(test_spatial)
 }
 GST_END_TEST;
 
+/// Rounding errors of a gray picture are no contrast: N(·) would scale them to 1.
+GST_START_TEST(test_flat_picture)
+{
+  const cv::Size size(40, 30);
+  oracle::LabImage gray{ Image(size.width, size.height, 53.6), Image(size.width, size.height, 1e-5),
+                         Image(size.width, size.height, -2e-5) };
+  for (int n = 0; n < 2; ++n)
+    gray = oracle::pyr_down(gray);
+  saliency::Pyramid pyramid;
+  pyramid.build(oracle::to_planes(gray), 2, 6);
+  Paper paper;
+  const cv::Mat &map = paper.spatial(pyramid, size);
+  fail_unless_at_most(cv::norm(map, cv::NORM_INF), 1e-4);
+  fail_unless_at_most(cv::norm(paper.spatiotemporal(map), cv::NORM_INF), 1e-4);
+}
+GST_END_TEST;
+
 /// "A level-n image averages the spatial saliency maps of 2ⁿ previous frames including the current
 /// frame." Map i has the value i everywhere.
 GST_START_TEST(test_temporal_pyramid)
@@ -116,7 +131,7 @@ GST_START_TEST(test_spatiotemporal)
 GST_END_TEST;
 
 /// A ball that has long been there vanishes: the paper's windows have a ghost of 64 frames. N(·)
-/// scales to the highest value, so the other sample never changes.
+/// empties an even map, so there is a second sample, which stands still.
 GST_START_TEST(test_ghost)
 {
   Paper paper;
@@ -177,6 +192,7 @@ paper_suite(void)
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_spatial);
+  tcase_add_test(tc, test_flat_picture);
   tcase_add_test(tc, test_temporal_pyramid);
   tcase_add_test(tc, test_spatiotemporal);
   tcase_add_test(tc, test_ghost);

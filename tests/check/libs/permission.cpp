@@ -31,8 +31,8 @@ GST_START_TEST(test_advice)
     machine.write(machine.roots.udev_data / "c189:5",
                   std::string("I:123\nG:seat\n") + mark + "\nV:1\n");
     advice = permission_advice("1-2", machine.roots);
-    assert_contains(advice, { "to the user at the computer", "ssh", "log in at the computer",
-                              "VISUOTACTILE_BOARD", "GROUP=\"plugdev\"",
+    assert_contains(advice, { "to the user at the computer", "from elsewhere", "ssh",
+                              "log in at the computer", "VISUOTACTILE_BOARD", "GROUP=\"plugdev\"",
                               "/etc/udev/rules.d/71-visuotactile-group.rules",
                               "usermod -aG plugdev", "udevadm control --reload" });
     fail_unless(advice.find("sudo install") == std::string::npos);
