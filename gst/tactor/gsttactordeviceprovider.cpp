@@ -221,7 +221,7 @@ public:
       wake_.notify_one();
     }
     thread_.join();
-    bus_->watch(nullptr);
+    (void)bus_->watch(nullptr);
     for (const Known &known : known_)
       gst_object_unref(known.device);
     for (const KnownGamepad &known : known_gamepads_)

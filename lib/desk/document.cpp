@@ -239,10 +239,10 @@ Document::track() const
   track.set_rate(rate_);
   const tactile::TactileMap silent(grid_.rows, grid_.columns);
   for (const Cue &cue : cues_) {
-    track.append(std::chrono::milliseconds(cue.start), map(cue));
-    track.append(std::chrono::milliseconds(cue.end), silent);
+    (void)track.append(std::chrono::milliseconds(cue.start), map(cue));
+    (void)track.append(std::chrono::milliseconds(cue.end), silent);
   }
-  track.set_end(std::chrono::milliseconds(cues_.empty() ? 0 : cues_.back().end));
+  (void)track.set_end(std::chrono::milliseconds(cues_.empty() ? 0 : cues_.back().end));
   return track;
 }
 

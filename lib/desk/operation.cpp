@@ -37,7 +37,7 @@ Track
 silent_like(const Track &track)
 {
   Track silent(track.rows(), track.columns());
-  silent.set_end(track.end());
+  (void)silent.set_end(track.end());
   return silent;
 }
 

@@ -210,7 +210,7 @@ Edited
 clip(const Track &track, Time begin, Time end)
 {
   Track result = track;
-  result.set_end(std::clamp(end, Time(0), track.end()));
+  (void)result.set_end(std::clamp(end, Time(0), track.end()));
   return shift(result, -begin);
 }
 

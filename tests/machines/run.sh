@@ -10,8 +10,8 @@
 #            build     the target 'play'
 #            film      pipelines/play.sh, the first film, without a window
 #            tests     tests/run.sh
-#            packages  tools/packages.sh; then on another bare machine, with Depends alone and as a user who is not root: debian/tests film, python and
-#                      application
+#            packages  tools/packages.sh; then on another bare machine, with Depends alone and as a user who is not root: all of
+#                      debian/tests
 #   Default: set-up,build,film,packages.
 #   arm64 on a PC is cross-compiled: set-up; build, of libraries and plugins, whose maps are compared by maps.sh; film, by qemu.
 #   --keep    goes on with the machine that the last run left, and with this checkout's commits
@@ -187,12 +187,15 @@ else
     # As debian/tests/control has it, without Recommends.
     step installed 'apt-get -qq update; cd /packages; apt-get -qq install -y --no-install-recommends ./*.deb gstreamer1.0-tools gstreamer1.0-plugins-good python3-gi build-essential pkgconf >/dev/null
       useradd -m maker
-      for test in film python application; do
+      for test in film python application people gamepad websocket; do
         mkdir -m 777 /tmp/$test; cp /visuotactile/debian/tests/$test /tmp/$test.sh; chmod 755 /tmp/$test.sh
         runuser -u maker -- env HOME=/home/maker AUTOPKGTEST_TMP=/tmp/$test /tmp/$test.sh || { echo "$test failed"; exit 1; }
       done
-      echo "result: installed; film, python, application passed, not as root, with Depends alone"
-      apt-get -qq purge -y "*visuotactile*" "*gsttactile*" >/dev/null; ! find / -xdev -name "*visuotactile*" -not -path "/visuotactile*" -not -path "/packages/*" -not -path "/proc/*" -not -path "/tmp/*" | grep .'
+      apt-get -qq purge -y "*visuotactile*" "*gsttactile*" >/dev/null
+      if find / -xdev -name "*visuotactile*" -not -path "/visuotactile*" -not -path "/packages/*" -not -path "/proc/*" -not -path "/tmp/*" | grep .; then
+        echo "purge left the files above"; exit 1
+      fi
+      echo "result: film, python, application, people, gamepad, websocket passed; purged without a rest"'
   fi
 fi
 exit $status

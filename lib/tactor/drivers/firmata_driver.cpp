@@ -140,7 +140,7 @@ FirmataDriver::run(Lock &lock)
   {
     const Unlocked unlocked(lock);
     if (bus)
-      bus->watch(nullptr);
+      (void)bus->watch(nullptr);
     bus.reset();
   }
 }

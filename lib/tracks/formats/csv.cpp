@@ -188,7 +188,7 @@ read_csv(std::string_view text)
     return wrong(lines.number(), "expected a line that ends the track");
   if (!is_silent(map))
     return wrong(lines.number(), "the last line ends the track: expected levels of 0");
-  track->set_end(time);
+  (void)track->set_end(time);
   return track;
 }
 

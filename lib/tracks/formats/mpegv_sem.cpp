@@ -251,7 +251,7 @@ public:
     if (!track_)
       track_ = grid_.grid ? Track(grid_.grid->rows, grid_.grid->columns) : Track();
     track_->set_rate(grid_.rate);
-    track_->set_end(end_);
+    (void)track_->set_end(end_);
     return std::move(in_.error).unless_set(std::move(*track_));
   }
 

@@ -45,7 +45,7 @@ public:
     if (!track_)
       fail(last, "there is no cue, and no note with a grid");
     else
-      track_->set_end(last_end_);
+      (void)track_->set_end(last_end_); // times are up to kMaxEnd
     return std::move(error_).unless_set(track_ ? std::move(*track_) : Track());
   }
 
