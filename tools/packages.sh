@@ -13,7 +13,7 @@ of=()
 case ${1:-} in
   -h | --help) sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --cross=*)
-    of=(--host-arch "${1#--cross=}" '--build-profiles=cross,nocheck,nodoc,nogir' --build=any)
+    of=(--host-arch "${1#--cross=}" '--build-profiles=cross,nocheck,nodoc' --build=any)
     export VISUOTACTILE_NO_SETUP=1
     shift
     ;;

@@ -90,10 +90,10 @@ struct GstSaliencyTactilePrivate
   {
   }
 
-  SaliencySettings settings;           ///< object lock
-  SaliencyStatistics stats;            ///< object lock
-  std::atomic<bool> late = false;      ///< frames come late downstream (QoS)
-  std::atomic<bool> asks_grid = false; ///< of downstream, before the next frame
+  SaliencySettings settings;              ///< object lock
+  SaliencyStatistics stats;               ///< object lock
+  std::atomic<bool> late = false;         ///< frames come late downstream (QoS)
+  std::atomic<bool> queries_grid = false; ///< of downstream, before the next frame
 
   // Streaming thread only.
   GstVideoInfo info;
@@ -238,9 +238,9 @@ static SaliencySettings
 gst_saliency_tactile_agree(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->asks_grid.exchange(false)) {
+  if (priv->queries_grid.exchange(false)) {
     wanted_grid_of_frames(GST_BASE_TRANSFORM_SRC_PAD(self), &priv->rows, &priv->columns);
-    GST_DEBUG_OBJECT(self, "downstream asks for %u x %u", priv->rows, priv->columns);
+    GST_DEBUG_OBJECT(self, "downstream prefers %u x %u", priv->rows, priv->columns);
   }
   GST_OBJECT_LOCK(self);
   SaliencySettings settings = priv->settings;
@@ -369,7 +369,7 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
   if (!parsed)
     gst_saliency_tactile_guess(self, incaps);
   priv->negotiated = true;
-  priv->asks_grid = true;
+  priv->queries_grid = true;
   priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
   priv->live = latency::is_live(GST_BASE_TRANSFORM_SINK_PAD(transform));
@@ -386,7 +386,7 @@ gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
     GST_SALIENCY_TACTILE(transform)->priv->late = late > 0;
   }
   if (is_grid_event(event) || GST_EVENT_TYPE(event) == GST_EVENT_RECONFIGURE)
-    GST_SALIENCY_TACTILE(transform)->priv->asks_grid = true;
+    GST_SALIENCY_TACTILE(transform)->priv->queries_grid = true;
   if (is_grid_event(event)) {
     gst_event_unref(event);
     return TRUE;

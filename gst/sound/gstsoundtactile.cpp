@@ -5,8 +5,8 @@
  * @short_description: makes tactile maps of sound: impacts and rumble are felt, voices are not
  *
  * soundtactile passes audio through, untouched, and sends what is felt of it as a stream of tactile
- * maps on its `tactile` pad, #GstSoundTactile:maps-per-second of them. The grid is what downstream
- * asks for, else 3 × 3.
+ * maps on its `tactile` pad, #GstSoundTactile:maps-per-second of them. The grid is the one of the
+ * caps downstream, else 3 × 3.
  *
  * ## What is felt
  * - Impacts: explosions, blows, shots, doors, footsteps, as the detector learned them from real
@@ -19,7 +19,7 @@
  * ## Where
  * Left and right are columns. Where there are loudspeakers behind the audience, the front is the
  * top rows and what is behind the bottom rows; else all rows are alike. The center, which carries
- * voices, tells no place. Low frequency effects, mono and sounds that differ between left and
+ * voices, has no place. Low frequency effects, mono and sounds that differ between left and
  * right are felt everywhere.
  *
  * ## Time
@@ -32,7 +32,7 @@
  * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
  * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
  * Their `sound` then says what is felt, and 400 ms of sound wait here unless the source is live.
- * [Sound joins in](../guide/sound.md) tells more.
+ * More is in [Sound joins in](../guide/sound.md).
  *
  * ## Example launch lines
  * |[

@@ -47,7 +47,7 @@ struct _GstTactileExtractor
 
   SplitPads *pads;
   GstClockTime frame_duration; /* by the framerate, as pads */
-  gboolean told_no_map;        /* as pads */
+  gboolean posted_no_map;      /* as pads */
 };
 
 #define gst_tactile_extractor_parent_class parent_class
@@ -76,7 +76,7 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   const GstClockTime duration
       = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame) : self->frame_duration;
 
-  if (meta == nullptr && !std::exchange(self->told_no_map, TRUE))
+  if (meta == nullptr && !std::exchange(self->posted_no_map, TRUE))
     GST_ELEMENT_INFO(self, STREAM, FORMAT, ("The video frames carry no tactile map."),
                      ("expected a GstTactileMeta on each frame; put saliencytactile before "
                       "tactileextractor, and behind what moves the picture and drops the map, such "
@@ -140,7 +140,7 @@ gst_tactile_extractor_change_state(GstElement *element, GstStateChange transitio
     auto *self = GST_TACTILE_EXTRACTOR(element);
     self->pads->reset();
     self->frame_duration = GST_CLOCK_TIME_NONE;
-    self->told_no_map = FALSE;
+    self->posted_no_map = FALSE;
   }
   return result;
 }

@@ -170,7 +170,7 @@ gst_tactile_test_src_set_caps(GstBaseSrc *base, GstCaps *caps)
   priv->painter = FilmPainter::make(info);
   if (!priv->painter)
     GST_ELEMENT_ERROR(base, RESOURCE, NO_SPACE_LEFT,
-                      ("No memory for such large frames: ask for smaller ones."),
+                      ("No memory for such large frames: set a smaller size in the caps."),
                       ("%" GST_PTR_FORMAT, caps));
   return priv->painter.has_value();
 }

@@ -46,7 +46,7 @@ read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
   if (longest > settings.planner.max_lead + latency)
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS,
                         ("Some vibrations will come late: the motors are slower than max-lead."),
-                        ("the calibration asks for leads of up to %" G_GINT64_FORMAT
+                        ("the calibration needs leads of up to %" G_GINT64_FORMAT
                          " ms, max-lead is %" G_GINT64_FORMAT " ms",
                          static_cast<gint64>(longest.count() / GST_MSECOND),
                          static_cast<gint64>(settings.planner.max_lead.count() / GST_MSECOND)));

@@ -62,7 +62,7 @@ ChairProperties::open()
   });
   if (!watch_->watches())
     GST_ELEMENT_WARNING(owner_, RESOURCE, FAILED,
-                        ("Changes of the settings are heard at the next start only."),
+                        ("Changes of the settings apply at the next start only."),
                         ("the system has no more threads"));
   chair::Settings settings = chair::read_settings();
   complain(settings);

@@ -388,8 +388,7 @@ write_calibration(const Calibration &calibration, const std::string &path)
   const KeyFile file(g_key_file_new());
   g_key_file_set_comment(
       file.get(), nullptr, nullptr,
-      " Vibration motors as measured; docs/guide/calibration.md tells what the keys mean.",
-      nullptr);
+      " Vibration motors as measured; docs/guide/calibration.md explains the keys.", nullptr);
   g_key_file_set_integer(file.get(), kGroup, "version", Calibration::kVersion);
   g_key_file_set_string(file.get(), kGroup, "motor", calibration.motor.c_str());
   g_key_file_set_string(file.get(), kGroup, "date", calibration.date.c_str());

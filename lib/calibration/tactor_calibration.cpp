@@ -21,7 +21,7 @@ constexpr double kClearSnrDb = 15;
 
 /// Whether the step shows if the motor moved.
 bool
-tells_of_motion(const StepResponse &response)
+shows_motion(const StepResponse &response)
 {
   return response.fault == StepFault::none || response.fault == StepFault::no_motion
          || response.fault == StepFault::noisy || response.fault == StepFault::irregular
@@ -35,7 +35,7 @@ threshold(const std::vector<StepResponse> &responses, bool (*is_of_kind)(const S
 {
   std::map<double, int, std::greater<>> votes;
   for (const StepResponse &response : responses)
-    if (is_of_kind(response.step) && tells_of_motion(response))
+    if (is_of_kind(response.step) && shows_motion(response))
       votes[response.step.target_volts] += response.fault == StepFault::no_motion ? -1 : 1;
   // A single voltage without motion between voltages with motion is not the threshold.
   std::optional<double> least;

@@ -21,7 +21,7 @@ bool sync_folder(const std::string &path);
 
 /// Renames a complete file, which is in the same folder, once it is on the disk. It gets the
 /// permissions of a file that it replaces, where files have some. Only a regular file is replaced.
-/// Returns whether the folder was written to the disk, too; errno tells why not.
+/// Returns whether the folder was written to the disk, too; errno has the reason if not.
 tl::expected<bool, Error> replace(const File &part, const std::string &part_path,
                                   const std::string &path);
 

@@ -95,7 +95,7 @@ struct Profile
   static Profile paper();
 
   /// The best profile measured on films (docs/measured/quality.md has the figures): events, whose
-  /// onsets are told by contrast of one pair c = 2, δ = 1, chroma × 2, no N(·), pooled to level 4.
+  /// onsets are found by contrast of one pair c = 2, δ = 1, chroma × 2, no N(·), pooled to level 4.
   static Profile tuned();
 
   /// The best profile measured on single pictures, for analysis without `temporal`: surroundedness

@@ -39,8 +39,8 @@ struct BandPowers
   std::array<Powers, kMaxSpeakers> of{};
   Powers sum{};        ///< of all channels
   double low_peak = 0; ///< the largest square of a sample of 18–130 Hz
-  /// Of the octaves: how much more the mean power of a bin is than the mean of their bins' powers
-  /// in dB: 2.5 of noise, more of tones.
+  /// The octaves' unevenness, in dB: the mean power of a bin above the mean of the bins' powers in
+  /// dB, 2.5 of noise, more of tones.
   Powers uneven{};
   BinLevels bins{};
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if

@@ -62,8 +62,8 @@ private:
   double state2_ = 0;
 };
 
-/// What is too low for Spectrum's bins, of one channel: 18–65 Hz, which voices do not have, and
-/// 65–130 Hz.
+/// The part of one channel that is too low for Spectrum's bins: 18–65 Hz, which voices do not have,
+/// and 65–130 Hz.
 class LowBands
 {
 public:
@@ -84,7 +84,7 @@ public:
     sums_.peak = std::max(sums_.peak, (deep + bass) * (deep + bass));
   }
 
-  /// Of what was added since the last call.
+  /// The powers since the last call.
   Powers take(int samples)
   {
     const Powers result{ sums_.deep / samples, sums_.bass / samples, sums_.peak };

@@ -16,9 +16,9 @@ constexpr std::array<std::size_t, 13> kFineBins{ 2, 3, 4, 6, 8, 11, 16, 22, 32, 
 constexpr float kFineFloor = -85; ///< dB
 /// Least mean rise of all fine bands, dB.
 constexpr float kLeastFlux = 1;
-/// Of a stroke.
+/// The least level of a stroke.
 constexpr float kLeastStroke = 3;
-/// What of a sound is voiced has at least this voicing.
+/// A voiced sound has at least this voicing.
 constexpr float kVoiced = 0.8F;
 /// A hop's part of half a second.
 constexpr float kForgotten = 0.01F;
@@ -157,7 +157,7 @@ OnsetFeatures::compare()
     *out++ = static_cast<float>(std::clamp(
         std::min({ hop(kNow - 1).uneven[band], hop(kNow - 2).uneven[band], hop(0).uneven[band] }),
         0.0, 20.0));
-  // What is louder than before, of each band against the most of them.
+  // Each band's rise against the greatest rise.
   std::array<float, kBands> excess{};
   for (std::size_t i = 0; i < kBands; i++)
     excess[i] = static_cast<float>(
@@ -189,7 +189,7 @@ OnsetFeatures::compare()
   return true;
 }
 
-/// What rose most within 50 ms is a stroke, once it is over.
+/// The greatest rise within 50 ms is a stroke, once it is over.
 void
 OnsetFeatures::remember(const Shape &shape)
 {

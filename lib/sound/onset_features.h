@@ -8,7 +8,7 @@
 
 namespace sound {
 
-/// Band powers over time → what tells impacts from voices, notes and drums about each moment.
+/// Band powers over time → features that separate impacts from voices, notes and drums, a moment.
 ///
 /// Levels are compared with those just before, with what is usual (running quantiles) and with the
 /// loudest, which is forgotten. All is in dB but for voicing, which counts 10 if it is full.
@@ -25,7 +25,7 @@ public:
   /// Takes the next hop. True if anything rises about the hop kAhead before it.
   bool add(const BandPowers &powers);
 
-  /// Of that hop, once add() was true.
+  /// The features of that hop, once add() was true.
   std::span<const float, kCount> features() const
   {
     return features_;
@@ -52,7 +52,7 @@ private:
 
   using Levels = std::array<float, kLevels>;
 
-  /// What is usual of a level: quantiles that follow it, and the loudest.
+  /// A level's usual range: quantiles that follow it, and the loudest.
   struct Usual
   {
     Levels half{};

@@ -79,7 +79,7 @@ Rumble::add(const BandPowers &powers, double gain_db)
   middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
   const float score = score_of(features_.add(powers).subspan(1));
   const double heard = std::max(decibels(deep), kSilenceDb);
-  // What else comes does not end an explosion that dies away.
+  // Another sound does not end an explosion that dies away.
   fading_ = score > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
   is_rumble_ = score > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);

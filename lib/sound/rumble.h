@@ -9,9 +9,9 @@
 
 namespace sound {
 
-/// What of a sound below 65 Hz is felt as rumble: what is like engines and thunder and unlike the
-/// bass of music and a narrator's room, or comes from a channel for low frequency effects, and
-/// stands out from what was heard for long.
+/// The part of a sound below 65 Hz that is felt as rumble: it is like engines and thunder and
+/// unlike the bass of music and a narrator's room, or comes from a channel for low frequency
+/// effects, and it stands out from the level of the last minutes.
 /// Where somebody speaks as loud, it has to last.
 class Rumble
 {

@@ -8,12 +8,12 @@
 
 namespace sound {
 
-/// Band powers over time → what tells engines, thunder and explosions from the bass of music and
-/// from voices.
+/// Band powers over time → features that separate engines, thunder and explosions from the bass of
+/// music and from voices.
 class RumbleFeatures
 {
 public:
-  /// Of all, the first is what is below 65 Hz, in dB: it tells whether there is anything.
+  /// The first is the level below 65 Hz, in dB: it decides whether there is anything.
   enum Index
   {
     deep,
@@ -40,7 +40,7 @@ private:
   static constexpr std::size_t kPart = 4;   ///< hops
   static constexpr std::size_t kParts = 20; ///< 0.4 s
 
-  /// Of kPart hops.
+  /// The sums over kPart hops.
   struct Part
   {
     double deep = 0;

@@ -5,7 +5,7 @@
 
 #include <array>
 
-/// What RumbleFeatures has after the first, and how much of each.
+/// The mean, scale and weight of each of RumbleFeatures after the first.
 namespace sound {
 
 inline constexpr std::array<float, 8> kRumbleMean{ -7.828F, 8.195F, -1.638F, 6.927F,

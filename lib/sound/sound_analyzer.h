@@ -20,7 +20,7 @@ struct FeelSettings
   bool rumble = true;  ///< what stands out below 65 Hz is felt
 };
 
-/// What is felt during kHopTime.
+/// The effects during kHopTime.
 struct Moment
 {
   Time begin{ 0 }; ///< of the sound since the reset

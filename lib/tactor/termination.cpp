@@ -84,12 +84,12 @@ tactor_on_signal(int number, siginfo_t *info, void *)
   const auto byte = static_cast<unsigned char>(is_abort ? number | kWaits : number);
   if (is_abort)
     abort_is_due = false;
-  const bool is_told
+  const bool is_written
       = fd >= 0 && owner == getpid() && (write(fd, &byte, 1) == 1 || errno == EAGAIN);
   constexpr auto kWait = std::chrono::milliseconds(TerminationGuard::kPatience);
-  for (int i = 0; is_told && is_abort && !abort_is_due && i < kWait.count(); i++)
+  for (int i = 0; is_written && is_abort && !abort_is_due && i < kWait.count(); i++)
     poll(nullptr, 0, 1);
-  if (!is_told || is_abort) {
+  if (!is_written || is_abort) {
     // The default action, once the handler has returned: the core is that of abort()'s thread.
     restore(number);
     raise(number);

@@ -324,7 +324,7 @@ def rumble(learn_from, choose_from):
     least = np.quantile(np.concatenate([score[kinds == "music alone"], np.full(hops["music alone"] - (kinds == "music alone").sum(), -99)]), 1 - RUMBLE_IN_MUSIC)
     for kind, count in hops.items():
         print(f"  {kind}: {100 * (score[kinds == kind] > least).sum() / count:.1f} % of the time, deep {100 * (kinds == kind).sum() / count:.0f} %")
-    write("rumble_weights.h", "What RumbleFeatures has after the first, and how much of each.",
+    write("rumble_weights.h", "The mean, scale and weight of each of RumbleFeatures after the first.",
           array("kRumbleMean", mean) + array("kRumbleScale", 1 / spread) + array("kRumbleWeights", w[:-1]) + f"inline constexpr float kRumbleOffset = {w[-1] - least:.4f}F;\n")
 
 

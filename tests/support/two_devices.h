@@ -6,6 +6,7 @@
 
 #include "calibration/calibration.h"
 #include "support/temporary_file.h"
+#include "support/threads_at_rest.h"
 #include "support/unwrap.h"
 #include "tactor/command_trace.h"
 
@@ -17,6 +18,7 @@
 #include "support/playing.h"
 #include "support/tolerance.h"
 #include <gst/base/gstbasesink.h>
+#include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 
 /// All motors of the second device take this long to any level.
@@ -93,6 +95,32 @@ expect_steps(const std::string &path, double rise_ms)
   }
 }
 
+/// Moves a clock from wait to wait, each time all threads have done what they could: to the end of
+/// the stream, or to the first wait past `until`.
+inline void
+run_out(GstElement *pipeline, GstTestClock *clock, GstClockTime until = GST_CLOCK_TIME_NONE)
+{
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  constexpr auto kEnds = static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR);
+  for (;;) {
+    GstClockID next = nullptr;
+    if (other_threads_rest() && gst_test_clock_peek_next_pending_id(clock, &next)) {
+      const GstClockTime time = gst_clock_id_get_time(next);
+      gst_clock_id_unref(next);
+      if (time > until)
+        return;
+      if (time > gst_clock_get_time(GST_CLOCK(clock)))
+        gst_test_clock_set_time(clock, time);
+      if (GstClockID id = gst_test_clock_process_next_clock_id(clock))
+        gst_clock_id_unref(id);
+    }
+    if (g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(bus, GST_MSECOND, kEnds)) {
+      fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
+      return;
+    }
+  }
+}
+
 /// Eq. 1 of the paper, from rest to 3 V.
 inline constexpr double kPaperRiseMs = 241.9 - 175.7 * 3 + 38.86 * 9;
 
@@ -116,25 +144,30 @@ public:
                               + common + traces_[0].path
                               + " t. ! queue ! tactorsink name=second calibration="
                               + calibration_.path + " " + second + common + traces_[1].path);
+    gst_pipeline_use_clock(GST_PIPELINE(pipeline_), clock_);
     two_devices::push_film(pipeline_);
+    change_state(pipeline_, GST_STATE_PLAYING);
   }
   ~TwoDevices()
   {
     gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(clock_);
     gst_object_unref(pipeline_);
   }
   TwoDevices(const TwoDevices &) = delete;
   TwoDevices &operator=(const TwoDevices &) = delete;
 
-  void play()
+  /// Plays up to a running time: all that is due by then was done.
+  void play_until(GstClockTime time)
   {
-    gst_element_set_state(pipeline_, GST_STATE_PLAYING);
+    two_devices::run_out(pipeline_, GST_TEST_CLOCK(clock_),
+                         time + two_devices::latency(pipeline_, "first"));
   }
 
-  /// After the end: both were given the same effects at the same times.
+  /// Plays to the end: both were given the same effects at the same times.
   void expect_one_film()
   {
-    wait_for_eos(pipeline_);
+    two_devices::run_out(pipeline_, GST_TEST_CLOCK(clock_));
     ck_assert_uint_eq(two_devices::latency(pipeline_, "first"),
                       two_devices::latency(pipeline_, "second"));
     gst_element_set_state(pipeline_, GST_STATE_NULL);
@@ -145,5 +178,6 @@ public:
 private:
   TemporaryFile calibration_;
   TemporaryFile traces_[2];
+  GstClock *clock_ = gst_test_clock_new();
   GstElement *pipeline_ = nullptr;
 };

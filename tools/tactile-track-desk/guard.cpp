@@ -62,10 +62,10 @@ Guard::admit(SoupServerMessage *message) const
     return std::nullopt;
   };
   if (!is_ours(header(message, "Host")))
-    return refuse(403, "this is a desk at 127.0.0.1, asked by another name");
+    return refuse(403, "expected the host 127.0.0.1 in the request, got another name");
   const std::string origin = header(message, "Origin");
   if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
-    return refuse(403, "another site may not ask");
+    return refuse(403, "expected a request of the desk's own page, got one of another site");
   const std::string path = g_uri_get_path(soup_server_message_get_uri(message));
   const std::size_t slash = path.find('/', 1);
   if (!path.starts_with('/') || slash == std::string::npos
@@ -76,7 +76,7 @@ Guard::admit(SoupServerMessage *message) const
   const std::string site = header(message, "Sec-Fetch-Site");
   const bool opens_page = rest.empty() && header(message, "Sec-Fetch-Mode") == "navigate";
   if (!site.empty() && site != "same-origin" && site != "none" && !opens_page)
-    return refuse(403, "another site may not ask");
+    return refuse(403, "expected a request of the desk's own page, got one of another site");
   return rest;
 }
 

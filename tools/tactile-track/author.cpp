@@ -242,7 +242,7 @@ private:
       failure = "no frame can be decoded";
     else if (failure.empty() && (position_.load() == 0 || (frames_ > 1 && !advances_)))
       failure = "the times of its " + std::to_string(frames_)
-                + " frames do not advance: expected a film whose container or decoder tells them; "
+                + " frames do not advance: expected a film whose container or decoder has them; "
                   "ffmpeg may convert it";
     if (failure.empty()) {
       try {

@@ -107,15 +107,15 @@ public:
   std::string remark() const override
   {
     const std::string unit = position_.unit();
-    return unit == MprisPosition().unit()
-               ? ""
-               : "tells its position in " + unit + " instead of microseconds, which is understood";
+    return unit == MprisPosition().unit() ? ""
+                                          : "reports its position in " + unit
+                                                + " instead of microseconds, which is understood";
   }
   void ask() override
   {
-    if (asked_ || !state_.plays())
+    if (queried_ || !state_.plays())
       return;
-    asked_ = local_time();
+    queried_ = local_time();
     call("Get", g_variant_new("(ss)", kPlayer, "Position"), on_position);
   }
 
@@ -180,7 +180,7 @@ private:
                         const gchar *, GVariant *parameters, gpointer data)
   {
     auto *self = static_cast<MprisPlayer *>(data);
-    self->overtaken_ = self->asked_.has_value();
+    self->overtaken_ = self->queried_.has_value();
     self->position_.leap();
     Report report = self->state_.report(local_time());
     report.sought = true;
@@ -199,8 +199,8 @@ private:
     if (is_over)
       return;
     auto *self = static_cast<MprisPlayer *>(data);
-    const Time asked = self->asked_.value_or(Time(0));
-    self->asked_.reset();
+    const Time asked = self->queried_.value_or(Time(0));
+    self->queried_.reset();
     if (std::exchange(self->overtaken_, false)) { // a notification came meanwhile
       self->ask();
       return;
@@ -227,7 +227,7 @@ private:
   /// The player reported something else than a position.
   void changed()
   {
-    overtaken_ = asked_.has_value();
+    overtaken_ = queried_.has_value();
     const Report report = state_.report(local_time());
     if (report.doing != Doing::playing || report.film != film_ || report.rate != rate_)
       position_.leap();
@@ -259,10 +259,10 @@ private:
   std::array<guint, 2> subscriptions_{};
   MprisState state_;
   MprisPosition position_;
-  std::string film_;          ///< whose position it is
-  double rate_ = 1;           ///< by which that goes
-  std::optional<Time> asked_; ///< time of the query that awaits an answer
-  bool overtaken_ = false;    ///< the state changed since
+  std::string film_;            ///< whose position it is
+  double rate_ = 1;             ///< by which that goes
+  std::optional<Time> queried_; ///< time of the query that awaits an answer
+  bool overtaken_ = false;      ///< the state changed since
   guint timer_ = 0;
 };
 

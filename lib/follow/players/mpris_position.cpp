@@ -112,7 +112,7 @@ MprisPosition::take(std::optional<double> told, Time now, double rate)
   if (is_one && now - mark_->at >= kLook)
     judge(*told, now, rate);
   if (now - *right_ >= kPatience)
-    fault_ = !is_one                          ? "it tells none"
+    fault_ = !is_one                          ? "it reports none"
              : now - change_->at >= kPatience ? "it stays the same while the film plays"
                                               : "it does not go as the film plays";
   return meant(told);

@@ -77,8 +77,8 @@ private:
     if (!lines_.add(bytes))
       return gone("expected lines of at most " + std::to_string(LineBuffer::kLongestLine)
                   + " bytes");
-    told_ = true;
-    asked_ = false;
+    received_ = true;
+    queried_ = false;
     while (const std::optional<std::string> line = lines_.next()) {
       if (socket_->is_flood(now))
         return gone(PlayerSocket::flood());
@@ -91,7 +91,7 @@ private:
   /// Where frames are far apart, nothing comes for long.
   void ask_for_life()
   {
-    if (conversation_.plays() && !std::exchange(told_, false) && !std::exchange(asked_, true))
+    if (conversation_.plays() && !std::exchange(received_, false) && !std::exchange(queried_, true))
       socket_->send(MpvConversation::life_sign());
   }
 
@@ -106,8 +106,8 @@ private:
   LineBuffer lines_;
   MpvConversation conversation_;
   guint timer_ = 0;
-  bool told_ = false;  ///< something since the timer was here
-  bool asked_ = false; ///< a query awaits its answer
+  bool received_ = false; ///< something since the timer was here
+  bool queried_ = false;  ///< a query awaits its answer
   std::optional<PlayerSocket> socket_;
 };
 

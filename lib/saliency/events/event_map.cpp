@@ -101,7 +101,7 @@ EventMap::picture_before(double lag) const
   return best;
 }
 
-/// What has gone leaves a difference, too: little counts where little of the contrast is left.
+/// A thing that has gone leaves a difference, too: little counts where little contrast is left.
 void
 EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &before,
                        cv::Mat &map)
@@ -165,7 +165,7 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
-/// What has appeared since `then`, in ΔE.
+/// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {

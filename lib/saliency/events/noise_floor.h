@@ -8,7 +8,7 @@
 
 namespace saliency {
 
-/// What happens all the time at one place is no event: rain, leaves, water, a crowd, film grain.
+/// Motion that goes on at one place is no event: rain, leaves, water, a crowd, film grain.
 ///
 /// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
 /// density estimation based on optimal smoothing and minimum statistics", 2001): the least that

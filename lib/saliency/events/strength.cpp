@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kQuantile = 0.95;
 constexpr double kRate = 0.02; ///< of the quantile's logarithm, per frame at 30 fps
-constexpr double kNothing = 1; ///< ΔE: less is no event, and tells nothing of the film
+constexpr double kNothing = 1; ///< ΔE: less is no event, and says nothing of the film
 
 } // namespace
 

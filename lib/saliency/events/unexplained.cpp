@@ -16,15 +16,15 @@ namespace {
 constexpr float kTexture = 1.6F;    ///< gradient of a textured place, L* per sample
 constexpr float kNoise = 0.31F;     ///< ΔE, of the best of pictures
 constexpr float kMisfit = 0.1F;     ///< least error of the alignment, samples
-constexpr float kMisfitGain = 1.2F; ///< of the error that the pictures tell
+constexpr float kMisfitGain = 1.2F; ///< of the error that the pictures show
 constexpr float kBeyond = 2.5F;     ///< σ of the noise
 constexpr float kChroma = 0.3F; ///< weight of Δa² + Δb²: films store it at half the resolution
-constexpr std::size_t kFewest = 24; ///< samples that tell of noise
+constexpr std::size_t kFewest = 24; ///< samples that show noise
 // An object alone on an even ground has all of the texture, and would explain its own motion.
 constexpr int kParts = 4;        ///< of each side
 constexpr int kFewestParts = 5;  ///< that have texture
 constexpr int kFewestOfPart = 4; ///< samples
-// The exposure is told by means over blocks: interpolation takes contrast from texture.
+// The exposure is compared by means over blocks: interpolation takes contrast from texture.
 constexpr int kBlockColumns = 20;
 constexpr int kBlockRows = 11;
 constexpr std::array kScales{ 12.0, 5.0, 2.4, 2.4 }; ///< of residuals, L*

@@ -11,8 +11,8 @@
 
 namespace saliency {
 
-/// What of the change between two pictures neither the camera, nor a change of exposure, nor noise
-/// explains.
+/// The part of the change between two pictures that neither the camera, nor a change of exposure,
+/// nor noise explains.
 ///
 /// The difference is compared with a model of its noise whose two terms the pictures themselves
 /// give: that of even parts, and that of texture, which grows with the gradient: a small error of

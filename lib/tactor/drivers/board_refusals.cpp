@@ -79,7 +79,7 @@ advice(const std::vector<SerialDevice> &not_asked)
   if (not_asked.empty())
     return {};
   const bool is_one = not_asked.size() == 1;
-  return "; not asked, as it may be anything, also a 3D printer: " + describe(not_asked) + "; if "
+  return "; not probed, as it may be anything, also a 3D printer: " + describe(not_asked) + "; if "
          + (is_one ? "that" : "one of these")
          + " is the chair, name it once, as in visuotactile-play --feel-test --device="
          + not_asked.front().bus_path;

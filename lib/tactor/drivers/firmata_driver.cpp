@@ -318,7 +318,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
     known_boards_.add(device);
   } else if (board_->state() == FirmataBoard::State::failed && !is_open_
              && remember_refusal(lock, device)) {
-    refusal->text += "; it is asked again if it is named by device=" + device.bus_path;
+    refusal->text += "; it is probed again if it is named by device=" + device.bus_path;
   }
   if (refusal) {
     release(lock, std::move(*port));

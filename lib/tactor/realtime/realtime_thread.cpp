@@ -60,7 +60,7 @@ RealtimeThread::RealtimeThread(bool wanted, Tell tell)
       budget_(read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_THREAD_CPUTIME_ID))
 {
   if (!wanted) {
-    set(Scheduling::normal, "not asked for");
+    set(Scheduling::normal, "not requested");
   } else if (schedule(SCHED_RR, kPriority)) {
     set(Scheduling::direct, "allowed to this process");
   } else {

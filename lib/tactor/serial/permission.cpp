@@ -34,7 +34,7 @@ std::string
 permission_advice(const std::string &bus_path, const SystemRoots &roots)
 {
   if (is_marked(bus_path, roots))
-    return "the udev rule gives it to whoever sits at the computer, and you do not (ssh, a "
+    return "the udev rule gives it to the user at the computer, and you are not (ssh, a "
            "service, "
            "another user's session): log in at the computer itself, or let a group use boards: "
            "echo "

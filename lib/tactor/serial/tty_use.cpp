@@ -156,14 +156,14 @@ tty_use(const std::string &bus_path, int interface, const SystemRoots &roots)
     // The driver holds a reference to its module for each open line.
     const int open = parse<int>(small_file(tty.module / "refcnt")).value_or(0);
     int seen = 0;
-    int strangers = 0; // other lines that may be the open ones
+    int unaccounted = 0; // other lines that may be the open ones
     for (const Tty &other : ttys)
       if (other.module == tty.module) {
         seen += users.contains(other.number);
-        strangers += !other.is_ours && !users.contains(other.number);
+        unaccounted += !other.is_ours && !users.contains(other.number);
       }
     if (open > seen)
-      return strangers == 0
+      return unaccounted == 0
                  ? LineUse{ Kind::certain, "a program of another user has " + tty.name + " open" }
                  : LineUse{ Kind::perhaps,
                             "a program of another user may have " + tty.name + " open" };

@@ -179,8 +179,10 @@ GST_START_TEST(test_with_a_chair)
 {
   VirtualPad pad("virtual pad");
   TwoDevices devices("driver=simulator", "driver=gamepad device=\"virtual pad\"");
-  devices.play();
+  // The left motor is on from 80 to 400 ms, the right one from 280 to 600 ms: kSlowRiseMs early.
+  devices.play_until(240 * GST_MSECOND);
   pad.wait_for({ 65535, 0, 0, 0 });
+  devices.play_until(500 * GST_MSECOND);
   pad.wait_for({ 0, 65535, 0, 0 });
   devices.expect_one_film();
   pad.wait_for(kZero);

@@ -6,7 +6,6 @@
 #include "support/ones.h"
 
 #include <gst/audio/audio.h>
-#include <gst/check/gsttestclock.h>
 
 #include <cmath>
 
@@ -14,7 +13,6 @@
 GST_START_TEST(test_two_chairs)
 {
   TwoDevices devices("driver=simulator", "driver=simulator");
-  devices.play();
   devices.expect_one_film();
 }
 GST_END_TEST;
@@ -75,34 +73,6 @@ private:
   }
 };
 
-/// Runs a clock from wait to wait until the end of the stream.
-void
-run_out(GstElement *pipeline, GstTestClock *clock)
-{
-  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
-  constexpr auto kEnds = static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR);
-  int alone = 0; // turns in which but one thread waited for the clock
-  for (;;) {
-    GstClockID next = nullptr;
-    // Where one waits alone, the other device may still be planning: it gets some turns for that.
-    const bool both_wait = gst_test_clock_peek_id_count(clock) > 1;
-    alone = both_wait ? 0 : alone + 1;
-    if ((both_wait || alone > 100) && gst_test_clock_peek_next_pending_id(clock, &next)) {
-      alone = 0;
-      const GstClockTime time = gst_clock_id_get_time(next);
-      gst_clock_id_unref(next);
-      if (time > gst_clock_get_time(GST_CLOCK(clock)))
-        gst_test_clock_set_time(clock, time);
-      if (GstClockID id = gst_test_clock_process_next_clock_id(clock))
-        gst_clock_id_unref(id);
-    }
-    if (g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(bus, GST_MSECOND, kEnds)) {
-      fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-      return;
-    }
-  }
-}
-
 } // namespace
 
 /// A chair and a shaker at a sound card, each early by its own rise time.
@@ -125,7 +95,7 @@ GST_START_TEST(test_chair_and_shaker)
   Card card(pipeline);
   two_devices::push_film(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  run_out(pipeline, GST_TEST_CLOCK(clock));
+  two_devices::run_out(pipeline, GST_TEST_CLOCK(clock));
   ck_assert_uint_eq(two_devices::latency(pipeline, "chair"),
                     two_devices::latency(pipeline, "card"));
   gst_element_set_state(pipeline, GST_STATE_NULL);

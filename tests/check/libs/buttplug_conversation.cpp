@@ -121,7 +121,7 @@ GST_START_TEST(test_version_4)
   fail_unless(talk.talk.latency() == 7ms && device.longest_latency == 150ms);
   fail_if(device.has_watchdog);
   assert_text(device.server, "Test Server, Buttplug 4");
-  assert_contains(talk.talk.take_warnings().at(0), { "asks for no pings" });
+  assert_contains(talk.talk.take_warnings().at(0), { "requires no pings" });
   talk.talk.set_levels(std::array{ 0.5, 1.0 });
   talk.expect(R"([{"OutputCmd":{"Id":4,"DeviceIndex":0,"FeatureIndex":0,)"
               R"("Command":{"Vibrate":{"Value":10}}}},)"
@@ -277,7 +277,7 @@ GST_END_TEST;
 GST_START_TEST(test_names)
 {
   for (const auto &[names, part] :
-       { std::pair{ "", "as none is taken unasked; it has 'Test Vibrator', 'User set name'" },
+       { std::pair{ "", "as only named devices are used; it has 'Test Vibrator', 'User set name'" },
          std::pair{ "Vibrator", "'Vibrator', and it has 'Test Vibrator', 'User set name'" },
          std::pair{ "Test Vibrator,Test Vibrator", "a device 'Test Vibrator'" },
          std::pair{ "User set name", "expected 'User set name' to vibrate" },

@@ -331,8 +331,8 @@ GST_START_TEST(test_no_usable_position)
   const std::pair<std::function<std::optional<double>(Time)>, const char *> cases[] = {
     { [](Time) { return 0.0; }, "stays the same" },
     { [](Time) { return 5e6; }, "stays the same" },
-    { [](Time) { return -1.0; }, "tells none" },
-    { [](Time) { return std::nullopt; }, "tells none" },
+    { [](Time) { return -1.0; }, "reports none" },
+    { [](Time) { return std::nullopt; }, "reports none" },
     { [](Time film) { return static_cast<double>(film / 1s); }, "does not go as the film plays" },
   };
   for (const auto &[told, fault] : cases) {

@@ -31,7 +31,7 @@ GST_START_TEST(test_advice)
     machine.write(machine.roots.udev_data / "c189:5",
                   std::string("I:123\nG:seat\n") + mark + "\nV:1\n");
     advice = permission_advice("1-2", machine.roots);
-    assert_contains(advice, { "whoever sits at the computer", "ssh", "log in at the computer",
+    assert_contains(advice, { "to the user at the computer", "ssh", "log in at the computer",
                               "VISUOTACTILE_BOARD", "GROUP=\"plugdev\"",
                               "/etc/udev/rules.d/71-visuotactile-group.rules",
                               "usermod -aG plugdev", "udevadm control --reload" });

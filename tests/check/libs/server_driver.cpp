@@ -376,7 +376,7 @@ GST_START_TEST(test_refused_commands)
   Rig rig(make_intiface_server);
   rig.open(server.device(kVibrator));
   rig.write({ 3 });
-  assert_contains(rig.wait_for(EventKind::warning).text, { "asks for no pings" });
+  assert_contains(rig.wait_for(EventKind::warning).text, { "requires no pings" });
   assert_contains(rig.wait_for(EventKind::warning, 2).text, { "the device did not answer" });
 }
 GST_END_TEST;
@@ -412,7 +412,7 @@ GST_START_TEST(test_refusals)
   HapticServer intiface({ "buttplug4" });
   Rig unnamed(make_intiface_server);
   assert_contains(unnamed.refusal("@127.0.0.1:" + intiface.port()).text,
-                  { "none is taken unasked", "'Test Vibrator'", "'Mine'" });
+                  { "only named devices are used", "'Test Vibrator'", "'Mine'" });
   intiface.wait_for("gone");
   fail_unless(intiface.lines("motors").empty());
 }

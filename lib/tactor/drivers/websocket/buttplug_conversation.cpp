@@ -206,7 +206,8 @@ ButtplugConversation::choose(const std::vector<buttplug::Device> &devices, Time 
                       : "it has " + quoted(found) + "; set device to one of these";
   if (names_.empty()) {
     fail({ DriverError::Kind::settings,
-           server_ + ": expected device to name a device, as none is taken unasked; " + others });
+           server_ + ": expected device to name a device, as only named devices are used; "
+               + others });
     return;
   }
   std::vector<Taken> chosen;
@@ -251,7 +252,7 @@ ButtplugConversation::answered(Id id, bool is_done, Time now)
     step_ = Step::done;
     if (info_.max_ping_time == Time(0))
       warn(server_
-           + " asks for no pings: its devices may run on if this computer hangs; set a "
+           + " requires no pings: its devices may run on if this computer hangs; set a "
              "ping time in Intiface");
     enter(State::playing);
   } else if (state() == State::closing && is_stopped()) {
