@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
-#include <dlfcn.h>
 #include <mutex>
 
 #include <gst/check/gstcheck.h>
@@ -23,27 +22,7 @@ namespace {
 
 constexpr std::array<int, 4> kZero{};
 
-/// SDL 3 remembers levels only of rumbles that succeed, SDL 2 of all.
-bool remembers_success_alone = false;
-
 } // namespace
-
-/// The one that the driver calls, too: levels that SDL believes the only pad to have are not sent.
-extern "C" int
-SDL_GameControllerRumble(SDL_GameController *controller, Uint16 low, Uint16 high, Uint32 ms)
-{
-  static const auto next
-      = reinterpret_cast<decltype(&SDL_GameControllerRumble)>(dlsym(RTLD_NEXT, __func__));
-  static std::array<int, 2> believed{}; // the driver has one thread for SDL
-  if (remembers_success_alone && believed == std::array<int, 2>{ low, high })
-    return 0;
-  const int result = next(controller, low, high, ms);
-  if (result == 0)
-    believed = { low, high };
-  else if (remembers_success_alone)
-    next(controller, low, high, 0); // SDL 2 would end it in time; this sends nothing
-  return result;
-}
 
 GST_START_TEST(test_motors)
 {
@@ -92,7 +71,6 @@ GST_END_TEST;
 /// A rumble that fails may have begun: SDL 3 takes the pad for silent then.
 GST_START_TEST(test_zero_after_a_failure)
 {
-  remembers_success_alone = true;
   VirtualPad pad("virtual pad", false);
   const auto driver = unwrap(make_driver("gamepad"));
   unwrap(driver->open({ .device = "virtual pad" }));
