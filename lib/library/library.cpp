@@ -35,7 +35,7 @@ path_of(const std::string &film)
 {
   if (const std::string path = local_path(film); !path.empty())
     return path;
-  // Of an address the last part, and of a title no part is a folder.
+  // The last part of an address names the film; no part of a title is a folder.
   g_autofree gchar *whole = g_uri_unescape_string(film.c_str(), "/");
   std::string name = whole != nullptr ? whole : film;
   if (film.find("://") != std::string::npos) {
@@ -140,10 +140,9 @@ by_content(const std::string &folder, const std::string &film, const Library::Sk
   std::error_code error;
   if (!fs::exists(index, error))
     return std::nullopt;
-  const auto text = files::read(index, kMostIndex);
-  const auto entries = text ? read_index(*text)
-                            : tl::expected<std::vector<IndexEntry>, std::string>(
-                                tl::unexpect, std::string(text.error().reason));
+  const auto entries = files::read(index, kMostIndex)
+                           .map_error([](const files::Error &error) { return error.reason; })
+                           .and_then([](const std::string &text) { return read_index(text); });
   if (!entries) {
     complaint = "'" + index + "': " + entries.error() + "; make it again with tactile-track index";
     return std::nullopt;

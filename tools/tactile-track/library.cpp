@@ -80,9 +80,10 @@ find(int argc, char **argv)
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM",
-        .summary = "Looks for the track of a film beside it and in a library: by the film's name, "
-                   "its\ncontent, and its duration with words of its name. Prints where the track "
-                   "is, or exits\nwith 1. A server is only asked for its index and the track.",
+        .summary
+        = "Looks for the track of a film beside it and in a library: by the film's name, "
+          "its\ncontent, and its duration with words of its name. Prints where the track "
+          "is, or exits\nwith 1. The only requests to a server are for its index and the track.",
         .least = 1,
         .most = 1 });
   gst_init(nullptr, nullptr);

@@ -6,11 +6,8 @@
 #include <glib.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
