@@ -361,8 +361,9 @@ read_feel(std::string_view body)
   const Message message(body);
   JsonObject *object = message.object();
   auto page = object ? name_of(object, "page") : std::nullopt;
-  auto levels
-      = object ? integers<std::uint8_t>(json::array(object, "levels"), kMostPercent) : std::nullopt;
+  std::optional<std::vector<std::uint8_t>> levels;
+  if (object) // GCC 14 warns of `levels` after a conditional expression
+    levels = integers<std::uint8_t>(json::array(object, "levels"), kMostPercent);
   const auto duration = object ? json::integer(object, "duration", kLeast, kLongest) : std::nullopt;
   if (!page || !levels || !duration)
     return expected("page, levels from 0 to 100 and duration from 20 to 2000 ms");

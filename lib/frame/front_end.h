@@ -17,8 +17,8 @@
 namespace saliency {
 
 /// The level at which L*a*b* is computed for an image at `level`, unless the exact map is
-/// requested: the first of at most 150,000 samples, or `level` if that is first. Converting at an early
-/// level is more accurate, converting at a late one is faster.
+/// requested: the first of at most 150,000 samples, or `level` if that is first. Converting at an
+/// early level is more accurate, converting at a late one is faster.
 int decimation_level(cv::Size frame, int level);
 
 /// Why `frame` is invalid: size, data, depth, matrix or strides. Empty if it is valid.

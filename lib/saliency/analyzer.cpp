@@ -5,11 +5,10 @@
 #include "saliency/camera_motion.h"
 #include "saliency/events/event_map.h"
 #include "saliency/events/strength.h"
+#include "saliency/paper.h"
 #include "saliency/pyramid.h"
 #include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"
-#include "saliency/spatiotemporal_saliency.h"
-#include "saliency/temporal_pyramid.h"
 
 #include <opencv2/core.hpp>
 
@@ -29,15 +28,6 @@ constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
 
 /// A film that pauses for longer, in frames at 30 fps, begins anew.
 constexpr double kLongestGap = 64;
-
-int
-longest_window(const Profile &profile)
-{
-  int longest = 1;
-  for (const auto &pair : profile.windows)
-    longest = std::max({ longest, pair.center, pair.surround });
-  return longest;
-}
 
 /// Whether a pose is so far from its frame of reference that precision may soon be lost.
 bool
@@ -63,9 +53,7 @@ frames_between(Time from, Time to)
 
 struct Analyzer::State
 {
-  explicit State(const Profile &profile_)
-      : profile(profile_), spatial(profile), history(longest_window(profile)),
-        spatiotemporal(profile), shot_cut(profile)
+  explicit State(const Profile &profile_) : profile(profile_), spatial(profile), shot_cut(profile)
   {
   }
 
@@ -86,9 +74,8 @@ struct Analyzer::State
   FrontEnd front_end;
   Team team; ///< threads of the current frame
   Pyramid pyramid;
+  Paper paper;
   SpatialSaliency spatial;
-  TemporalPyramid history;
-  SpatiotemporalSaliency spatiotemporal;
   ShotCut shot_cut;
   CameraMotion camera;
   EventMap events;
@@ -119,7 +106,7 @@ Analyzer::State::follow(cv::Size size, Time time, bool temporal)
   if (previous && time <= previous->time)
     previous.reset();
   // After a gap it is unknown what was visible, unlike after a frame that was displayed for long.
-  if (previous && profile.temporal == Temporal::events
+  if (previous && profile.method != Method::paper
       && frames_between(previous->time, time)
              > kLongestGap + frames_between(Time{}, previous->duration))
     previous.reset();
@@ -133,7 +120,7 @@ Analyzer::State::follow(cv::Size size, Time time, bool temporal)
 void
 Analyzer::State::forget()
 {
-  history.reset();
+  paper.reset();
   camera.reset();
   events.reset();
 }
@@ -155,7 +142,8 @@ Analyzer::State::camera_pose(double elapsed)
 const cv::Mat &
 Analyzer::State::spatial_map()
 {
-  const cv::Mat &map = spatial.compute(pyramid, levels, team);
+  const cv::Mat &map = profile.method == Method::paper ? paper.spatial(pyramid, levels.frame, team)
+                                                       : spatial.compute(pyramid, levels, team);
   done(Stage::spatial, map);
   return map;
 }
@@ -165,14 +153,10 @@ const cv::Mat &
 Analyzer::State::spatiotemporal_map()
 {
   done(Stage::camera);
-  if (profile.cut_share < 1 && shot_cut(pyramid.level(levels.saliency))) {
-    forget();
-    result.cut = true;
-  }
   done(Stage::shot_cut);
-  history.push(spatial_map());
+  const cv::Mat &map = spatial_map();
   done(Stage::history);
-  return spatiotemporal.compute(history, team);
+  return paper.spatiotemporal(map, team);
 }
 
 /// The events of the frame in `pyramid`.
@@ -219,7 +203,7 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
   if (!temporal)
     result.map = spatial_map();
   else {
-    result.map = profile.temporal == Temporal::events ? event_map(time) : spatiotemporal_map();
+    result.map = profile.method == Method::paper ? spatiotemporal_map() : event_map(time);
     previous = Previous{ time, duration };
     done(Stage::spatiotemporal, result.map);
   }

@@ -67,7 +67,7 @@ public:
   /// duration ≤ 0 is taken as 1/30 s.
   ///
   /// The history is reset first if `time` is not after the last frame's, or if the size differs.
-  /// With Temporal::events it is also reset after a gap of more than two seconds.
+  /// Unless the method is the paper's, it is also reset after a gap of more than two seconds.
   ///
   /// If `temporal` is false, the result is the spatial saliency alone, and the next frame starts a
   /// new history.

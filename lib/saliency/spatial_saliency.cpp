@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/spatial_saliency.h"
 
-#include "saliency/normalization.h"
+#include "saliency/paper.h"
 
 #include <opencv2/core.hpp>
 
@@ -11,22 +11,42 @@
 
 namespace saliency {
 
+namespace {
+
+/// Levels of the paper, in the frame's own numbering.
+FrameLevels
+paper_levels(cv::Size frame)
+{
+  const int last = coarsest_level(frame);
+  const int finest = std::min(Paper::kSaliencyLevel, last);
+  return { .frame = frame,
+           .lightness = {},
+           .chroma = {},
+           .saliency = finest,
+           .finest = finest,
+           .coarsest = std::min(Paper::kCenters.back() + Paper::kDeltas.back(), last),
+           .camera = finest,
+           .finest_chroma = finest };
+}
+
+} // namespace
+
 FrameLevels
 frame_levels(const Profile &profile, cv::Size frame)
 {
+  if (profile.method == Method::paper)
+    return paper_levels(frame);
   int shift = 0;
   if (profile.reference_width > 0) {
-    int finest = profile.saliency_level;
-    for (const auto &pair : profile.levels)
-      finest = std::min({ finest, pair.center, pair.surround });
+    const int finest = std::min(profile.saliency_level, profile.levels.center);
     const double octaves = std::log2(static_cast<double>(std::max(frame.width, frame.height))
                                      / profile.reference_width);
     shift = std::max(static_cast<int>(std::lround(octaves)) - 2, -finest);
   }
 
-  // Surroundedness uses one pair for all channels.
-  const int chroma_octaves
-      = profile.spatial_cue == SpatialCue::contrast ? profile.chroma_octaves : 0;
+  // Surroundedness uses one level for all channels.
+  const bool contrast = profile.method == Method::events;
+  const int chroma_octaves = contrast ? profile.chroma_octaves : 0;
   const int last = coarsest_level(frame);
   const auto limited = [shift, last](int level) {
     return std::min(level + shift, last);
@@ -35,35 +55,19 @@ frame_levels(const Profile &profile, cv::Size frame)
   FrameLevels levels;
   levels.frame = frame;
   levels.saliency = limited(profile.saliency_level);
-  levels.finest = last;
-  levels.coarsest = levels.saliency;
-  levels.finest_chroma = last;
-  for (const auto &pair : profile.levels) {
-    const LevelPair own{ limited(pair.center), limited(pair.surround) };
-    const LevelPair chroma{ limited(pair.center + chroma_octaves),
-                            limited(pair.surround + chroma_octaves) };
-    levels.pairs.push_back(own);
-    levels.chroma.push_back(chroma);
-    levels.finest = std::min(levels.finest, own.center);
-    levels.coarsest = std::max(levels.coarsest, chroma.surround);
-    levels.finest_chroma = std::min(levels.finest_chroma, chroma.center);
-  }
-  const bool events = profile.temporal == Temporal::events;
-  if (profile.cut_share < 1 || events)
-    levels.finest = std::min(levels.finest, levels.saliency);
-  if (profile.cut_share < 1)
-    levels.finest_chroma = std::min(levels.finest_chroma, levels.saliency);
+  levels.lightness = { limited(profile.levels.center), limited(profile.levels.surround) };
+  levels.chroma = { limited(profile.levels.center + chroma_octaves),
+                    limited(profile.levels.surround + chroma_octaves) };
+  levels.finest = std::min(levels.lightness.center, levels.saliency);
+  levels.coarsest = std::max(levels.saliency, levels.chroma.surround);
   levels.camera = std::max(levels.finest, levels.saliency - 1);
-  if (events)
-    levels.finest_chroma = std::min(levels.finest_chroma, levels.camera);
+  levels.finest_chroma = std::min({ levels.chroma.center, levels.saliency, levels.camera });
   return levels;
 }
 
 SpatialSaliency::SpatialSaliency(const Profile &profile)
-    : cue_(profile.spatial_cue), normalization_(profile.contrast_normalization),
-      mean_(profile.contrast_mean), contrast_(profile.chroma_weight),
-      surroundedness_(profile.threshold_step, profile.area_exponent),
-      weigh_by_rarity_(profile.rarity)
+    : method_(profile.method), contrast_(profile.chroma_weight),
+      surroundedness_(profile.threshold_step, profile.area_exponent)
 {
 }
 
@@ -84,36 +88,21 @@ SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const 
 const cv::Mat &
 SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team)
 {
-  const auto count = static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1;
-  contrast_map_.resize(count);
-  rarity_map_.resize(count);
+  const auto count = static_cast<std::size_t>(levels.coarsest) + 1;
+  maps_.resize(count);
   reductions_.resize(count);
-  bool first = true;
-  for (std::size_t i = 0; i < levels.pairs.size(); ++i) {
-    const LevelPair &pair = levels.pairs[i];
-    auto &contrast_map = contrast_map_[static_cast<std::size_t>(pair.center)];
-    if (cue_ == SpatialCue::surroundedness)
-      surroundedness_(pyramid.level(pair.center), contrast_map);
-    else
-      contrast_(pyramid, pair, levels.chroma[i], contrast_map, team);
-    if (normalization_ == Normalization::itti)
-      normalize_itti(contrast_map);
-
-    const cv::Mat &map = at_saliency_level(contrast_map_, pair.center, levels, team);
-    if (first)
-      map.copyTo(sum_);
-    else
-      cv::add(sum_, map, sum_);
-    first = false;
+  const int center = levels.lightness.center;
+  cv::Mat &map = maps_[static_cast<std::size_t>(center)];
+  if (method_ != Method::pictures) {
+    contrast_(pyramid, levels.lightness, levels.chroma, map, team);
+    return at_saliency_level(maps_, center, levels, team);
   }
-  if (mean_ && levels.pairs.size() > 1)
-    sum_ *= 1.0 / static_cast<double>(levels.pairs.size());
-  if (weigh_by_rarity_) {
-    rarity_(pyramid.level(levels.coarsest), rarity_map_[static_cast<std::size_t>(levels.coarsest)]);
-    const cv::Mat &rarity = at_saliency_level(rarity_map_, levels.coarsest, levels, team);
-    cv::multiply(sum_, rarity, sum_);
-  }
-  return sum_;
+  surroundedness_(pyramid.level(center), map);
+  at_saliency_level(maps_, center, levels, team).copyTo(rare_);
+  rarity_map_.resize(count);
+  rarity_(pyramid.level(levels.coarsest), rarity_map_[static_cast<std::size_t>(levels.coarsest)]);
+  cv::multiply(rare_, at_saliency_level(rarity_map_, levels.coarsest, levels, team), rare_);
+  return rare_;
 }
 
 } // namespace saliency

@@ -16,11 +16,11 @@ namespace saliency {
 /// A profile's levels in the numbering of one frame size, limited to the levels of that frame.
 struct FrameLevels
 {
-  cv::Size frame;                ///< the size of level 0
-  std::vector<LevelPair> pairs;  ///< of lightness
-  std::vector<LevelPair> chroma; ///< for each of these
-  int saliency = 0;              ///< of the spatial saliency map
-  int finest = 0;                ///< finest and coarsest level among the pairs
+  cv::Size frame;      ///< the size of level 0
+  LevelPair lightness; ///< of contrast; Paper has pairs of its own
+  LevelPair chroma;
+  int saliency = 0; ///< of the spatial saliency map
+  int finest = 0;   ///< finest and coarsest level in use
   int coarsest = 0;
   int camera = 0;        ///< of the camera's motion: one finer than the map's, if any
   int finest_chroma = 0; ///< finest level whose a* and b* are used
@@ -31,16 +31,15 @@ struct FrameLevels
 /// has no contrast.
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);
 
-/// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …
-/// saliency map"). The profile may replace contrast by surroundedness and multiply by color rarity.
+/// Spatial saliency of all methods but the paper's: contrast, or surroundedness times color rarity.
 class SpatialSaliency
 {
 public:
   explicit SpatialSaliency(const Profile &profile);
 
-  /// Sum or mean of the (normalized) contrast maps at the saliency level: finer maps are reduced
-  /// like the pyramid, coarser ones upsampled on its grid. `pyramid` holds L*a*b* levels
-  /// finest…coarsest. The result is CV_32FC1, ≥ 0, valid until the next call.
+  /// The map at the saliency level: a finer one is reduced like the pyramid, a coarser one
+  /// upsampled on its grid. `pyramid` holds L*a*b* levels finest…coarsest. The result is CV_32FC1,
+  /// ≥ 0, valid until the next call.
   const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team = {});
 
 private:
@@ -48,18 +47,15 @@ private:
   const cv::Mat &at_saliency_level(std::vector<cv::Mat> &maps, int level, const FrameLevels &levels,
                                    const Team &team);
 
-  SpatialCue cue_;
-  Normalization normalization_;
-  bool mean_;
+  Method method_;
   Contrast contrast_;
   Surroundedness surroundedness_;
-  bool weigh_by_rarity_;
   Rarity rarity_;
-  std::vector<cv::Mat> contrast_map_; ///< of one pair, by level: from its center's on
+  std::vector<cv::Mat> maps_;         ///< of contrast or surroundedness, by level
   std::vector<cv::Mat> rarity_map_;   ///< by level, too
   std::vector<Reduction> reductions_; ///< of these maps, by source level
   cv::Mat upsampled_;
-  cv::Mat sum_;
+  cv::Mat rare_; ///< surroundedness × rarity
 };
 
 } // namespace saliency

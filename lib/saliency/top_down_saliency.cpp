@@ -2,6 +2,7 @@
 #include "saliency/top_down_saliency.h"
 
 #include "saliency/events/event_map.h"
+#include "saliency/paper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,19 +18,17 @@ constexpr Time kFrame = Time(std::chrono::seconds(1)) / 30;
 double
 reach_of(const Profile &profile)
 {
-  int coarsest = profile.saliency_level;
-  for (const LevelPair &pair : profile.levels)
-    coarsest = std::max(coarsest, pair.center);
-  return std::ldexp(2.0, coarsest - profile.saliency_level);
+  const bool paper = profile.method == Method::paper;
+  const int coarsest = paper ? Paper::kCenters.back() : profile.levels.center;
+  const int map = paper ? Paper::kSaliencyLevel : profile.saliency_level;
+  return std::ldexp(2.0, std::max(coarsest - map, 0));
 }
 
 /// For how long past content still raises the map.
 Time
 hold_of(const Profile &profile)
 {
-  int frames = profile.temporal == Temporal::events ? EventMap::kHold : 0;
-  for (const WindowPair &pair : profile.windows)
-    frames = std::max({ frames, pair.center, pair.surround });
+  const int frames = profile.method == Method::paper ? Paper::kFrames : EventMap::kHold;
   return frames * Time(std::chrono::seconds(1)) / 30;
 }
 
@@ -71,8 +70,8 @@ cover(const Axis &axis, double begin, double end)
 
 TopDownSaliency::TopDownSaliency(const Profile &profile, bool temporal)
     : reach_(reach_of(profile)), hold_(temporal ? hold_of(profile) : Time{}),
-      in_frames_(profile.temporal == Temporal::windows),
-      events_(temporal && profile.temporal == Temporal::events)
+      in_frames_(profile.method == Method::paper),
+      events_(temporal && profile.method != Method::paper)
 {
 }
 

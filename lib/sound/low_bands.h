@@ -62,8 +62,8 @@ private:
   double state2_ = 0;
 };
 
-/// The part of one channel that is too low for Spectrum's bins: 18–65 Hz, which voices do not have, and
-/// 65–130 Hz.
+/// The part of one channel that is too low for Spectrum's bins: 18–65 Hz, which voices do not have,
+/// and 65–130 Hz.
 class LowBands
 {
 public:

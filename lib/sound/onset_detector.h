@@ -5,8 +5,8 @@
 
 namespace sound {
 
-/// Finds impacts of every kind in band powers, explosions and shots among them, and separates them from
-/// voices, notes and drums: one hidden layer over OnsetFeatures (onset_weights.h), learned
+/// Finds impacts of every kind in band powers, explosions and shots among them, and separates them
+/// from voices, notes and drums: one hidden layer over OnsetFeatures (onset_weights.h), learned
 /// from real sounds by tests/sound/train.py.
 class OnsetDetector
 {

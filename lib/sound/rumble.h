@@ -9,10 +9,10 @@
 
 namespace sound {
 
-/// The part of a sound below 65 Hz that is felt as rumble: it is like engines and thunder and unlike
-/// the bass of music and a narrator's room, or comes from a channel for low frequency effects, and
-/// it stands out from the level of the last minutes.
-/// Where somebody speaks as loud, it has to last.
+/// The part of a sound below 65 Hz that is felt as rumble: it is like engines and thunder and
+/// unlike the bass of music and a narrator's room, or comes from a channel for low frequency
+/// effects, and it stands out from the level of the last minutes. Where somebody speaks as loud, it
+/// has to last.
 class Rumble
 {
 public:

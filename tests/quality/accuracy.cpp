@@ -193,8 +193,8 @@ public:
     const oracle::LabImage lab = oracle_lab(frame, levels_.finest, threads_);
     const auto &truth = reference_.analyze(oracle::to_planes(lab), levels_.frame, time, duration);
     const oracle::Image map = oracle::spatial_saliency(
-        oracle::pyramid_of(lab, levels_.finest, levels_.coarsest), levels_.pairs, levels_.chroma,
-        levels_.saliency, profile_.chroma_weight, false, profile_.contrast_mean);
+        oracle::pyramid_of(lab, levels_.finest, levels_.coarsest), { levels_.lightness },
+        { levels_.chroma }, levels_.saliency, profile_.chroma_weight, false);
     const FeltMap spatial{ oracle::to_mat(map), truth.picture, kSpatialMapping };
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {

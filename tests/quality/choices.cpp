@@ -30,7 +30,6 @@ choices()
 {
   using P = Profile;
   using M = MappingSettings;
-  const auto paper = Profile::paper();
   std::vector<Choice> all;
   const auto add = [&](const char *parameter, const char *value, auto change) {
     all.push_back(choice(parameter, value, change));
@@ -40,12 +39,6 @@ choices()
   add("reference_width", "440", [](P &p, M &) { p.reference_width = 440; });
   add("chroma_weight", "1", [](P &p, M &) { p.chroma_weight = 1; });
   add("chroma_octaves", "0", [](P &p, M &) { p.chroma_octaves = 0; });
-  add("levels", "the paper's", [=](P &p, M &) {
-    p.levels = paper.levels;
-    p.contrast_mean = true;
-  });
-  add("contrast_normalization", "Itti",
-      [](P &p, M &) { p.contrast_normalization = saliency::Normalization::itti; });
   add("saliency_level", "3", [](P &p, M &) { p.saliency_level = 3; });
   add("saliency_level", "5", [](P &p, M &) { p.saliency_level = 5; });
   add("cut_share", "1 (never)", [](P &p, M &) { p.cut_share = 1; });

@@ -23,6 +23,22 @@ random_image(int width, int height, double low, double high, unsigned seed)
   return image;
 }
 
+LabImage
+picture_of_many_scales(int width, int height, unsigned seed)
+{
+  LabImage lab;
+  for (std::size_t c = 0; c < 3; ++c) {
+    lab[c] = random_image(width, height, c == 0 ? 20 : -30, c == 0 ? 60 : 30,
+                          seed + static_cast<unsigned>(c));
+    const auto coarse = random_image((width + 7) / 8, (height + 7) / 8, -20, 30,
+                                     seed + 10 + static_cast<unsigned>(c));
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        lab[c](x, y) += coarse(x / 8, y / 8);
+  }
+  return lab;
+}
+
 cv::Mat
 to_mat(const Image &image)
 {
@@ -401,7 +417,7 @@ Image
 spatial_saliency(const std::vector<LabImage> &pyramid,
                  const std::vector<saliency::LevelPair> &lightness,
                  const std::vector<saliency::LevelPair> &chroma, int level, double chroma_weight,
-                 bool normalize, bool mean)
+                 bool normalize)
 {
   const Image &target = pyramid[static_cast<std::size_t>(level)][0];
   Image sum(target.width, target.height);
@@ -415,7 +431,7 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
     if (center > level)
       map = up(map, center - level, center - level, target.width, target.height);
     for (std::size_t i = 0; i < sum.values.size(); ++i)
-      sum.values[i] += map.values[i] / (mean ? static_cast<double>(lightness.size()) : 1);
+      sum.values[i] += map.values[i];
   }
   return sum;
 }

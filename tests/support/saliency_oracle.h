@@ -48,6 +48,8 @@ using Lab = std::array<double, 3>;
 using LabImage = std::array<Image, 3>;
 
 Image random_image(int width, int height, double low, double high, unsigned seed);
+/// With structure at several scales.
+LabImage picture_of_many_scales(int width, int height, unsigned seed);
 cv::Mat to_mat(const Image &image);
 saliency::LabImage to_planes(const LabImage &image);
 /// Largest difference, or infinity if the sizes differ or a value is not finite.
@@ -97,6 +99,6 @@ Image itti(const Image &map);
 Image spatial_saliency(const std::vector<LabImage> &pyramid,
                        const std::vector<saliency::LevelPair> &lightness,
                        const std::vector<saliency::LevelPair> &chroma, int level,
-                       double chroma_weight, bool normalize, bool mean);
+                       double chroma_weight, bool normalize);
 
 } // namespace oracle

@@ -274,9 +274,12 @@ print_report(const Film &film, const PlayReport &report)
               milliseconds(report.analysis.get(), "analysis-max"));
   if (report.chair == nullptr)
     return;
-  std::printf("Commands       %llu issued, %llu late, %llu coalesced\n",
+  std::printf("Commands       %llu issued, %llu late, %llu coalesced",
               number(report.chair.get(), "issued"), number(report.chair.get(), "late"),
               number(report.chair.get(), "coalesced"));
+  if (const auto expired = number(report.chair.get(), "expired"))
+    std::printf(", %llu expired: this machine was too busy or is too slow", expired);
+  std::printf("\n");
   std::printf("Schedule error %.2f ms p50, %.2f ms p99, %.2f ms max\n",
               milliseconds(report.chair.get(), "error-p50"),
               milliseconds(report.chair.get(), "error-p99"),

@@ -4,6 +4,7 @@
 #include "tracks/klv.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace tactile {
@@ -297,7 +298,7 @@ TransportTrack::map_with_track(Bytes section) const
   map.push_back(static_cast<std::uint8_t>(pid_));
   map.push_back(0xf0);
   map.push_back(static_cast<std::uint8_t>(kKlvDescriptor.size()));
-  map.insert(map.end(), kKlvDescriptor.begin(), kKlvDescriptor.end());
+  std::ranges::copy(kKlvDescriptor, std::back_inserter(map)); // GCC 14 warns of insert() here
   const std::size_t length = map.size() - 4 + kChecksum;
   map[2] = static_cast<std::uint8_t>((map[2] & 0xf0) | length >> 8);
   map[3] = static_cast<std::uint8_t>(length);
