@@ -3,6 +3,7 @@
 // The module visuotactile-web: one GET request, by libsoup.
 #include "library/web.h"
 
+#include <gmodule.h>
 #include <libsoup/soup.h>
 
 #include <array>
@@ -135,7 +136,7 @@ private:
 
 } // namespace
 
-extern "C" bool
+extern "C" G_MODULE_EXPORT bool
 visuotactile_fetch(const std::string &address, std::size_t most, GCancellable *stop,
                    std::string &body, std::string &error)
 {
