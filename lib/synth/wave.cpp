@@ -24,7 +24,7 @@ add_partial(std::vector<double> &sum, int rounds, double amplitude, double phase
 {
   const std::complex<double> turn
       = std::polar(1.0, 2 * std::numbers::pi * rounds / static_cast<double>(sum.size()));
-  std::complex<double> point = std::polar(amplitude, phase);
+  std::complex<double> point = amplitude * std::polar(1.0, phase); // amplitudes may be negative
   for (double &value : sum) {
     value += point.imag();
     point *= turn;

@@ -84,6 +84,40 @@ play() {
   timeout 120 "$PLAY" "$@" >out 2>err || status=$?
 }
 
+# play_on ARGUMENTS ...: likewise, in the background; sets `pid`
+play_on() {
+  # Background jobs of a script ignore SIGINT, unlike a program started at a terminal.
+  "$PYTHON" -c 'import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' \
+    "$PLAY" "$@" >out 2>err &
+  pid=$!
+}
+
+# until_true COMPLAINT COMMAND ...: waits until the command succeeds while the program runs, at most
+# half a minute
+until_true() {
+  for _ in $(seq 600); do
+    "${@:2}" && return
+    kill -0 "$pid" 2>/dev/null || fail "ended by itself: $(cat err)"
+    sleep 0.05
+  done
+  fail "$1: $(cat err)"
+}
+
+# await SECONDS: waits for the program's end, which only a program that hangs fails to reach; sets
+# `status`
+await() {
+  local end=$((SECONDS + $1))
+  while kill -0 "$pid" 2>/dev/null; do
+    if ((SECONDS > end)); then
+      kill -KILL "$pid"
+      fail "still runs after $1 s: $(cat err)"
+    fi
+    sleep 0.05
+  done
+  status=0
+  wait "$pid" || status=$?
+}
+
 # ---- checks ------------------------------------------------------------------------------------
 expect_status() {
   [ "$status" -eq "$1" ] || fail "status $status instead of $1; it said: $(cat err)"

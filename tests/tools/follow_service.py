@@ -163,6 +163,8 @@ def uneven():
 def library():
     """By words of the name and the film's duration."""
     film = make_film("Bouncing.Balls.2012.1080p.mkv", 12, pattern=None)
+    refused = subprocess.run([FOLLOW, f"--tracks={film}"], capture_output=True, text=True, check=False, timeout=LATEST)
+    assert refused.returncode == 1 and "is not a folder" in refused.stderr, refused
     mpv = Mpv(film)
     make_track(work / "tracks" / "bouncing balls 2012.csv", 30)  # another film's
     make_track(work / "tracks" / "seven balls.csv", 12)

@@ -10,10 +10,7 @@
 # motors; sets `pid`
 begin() {
   mkdir -p o
-  # Background jobs of a script ignore SIGINT, unlike a program started at a terminal.
-  "$PYTHON" -c 'import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' \
-    "$PLAY" -o o "$@" >out 2>err &
-  pid=$!
+  play_on -o o "$@"
   until_true 'neither records nor ends' grep -qE '^the motors are simulated: ' err
   expect_line err '^Recording, in real time'
 }
@@ -21,29 +18,6 @@ begin() {
 # recorded: part of the film is in the recording, which the muxer writes about every second
 recorded() {
   [ -n "$(find o -name '.visuotactile.mkv.*.part' -size +0)" ]
-}
-
-# until_true COMPLAINT COMMAND ...: waits until the command succeeds while the program runs, at most
-# half a minute
-until_true() {
-  for _ in $(seq 600); do
-    "${@:2}" && return
-    kill -0 "$pid" 2>/dev/null || fail "ended by itself: $(cat err)"
-    sleep 0.05
-  done
-  fail "$1: $(cat err)"
-}
-
-# await SECONDS: waits for the program's end, which only a program that hangs fails to reach; sets
-# `status`
-await() {
-  for _ in $(seq $(($1 * 20))); do
-    kill -0 "$pid" 2>/dev/null || break
-    sleep 0.05
-  done
-  ! kill -0 "$pid" 2>/dev/null || fail "still runs after $1 s: $(cat err)"
-  status=0
-  wait "$pid" || status=$?
 }
 
 stopped() {

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # With a display, visuotactile-play shows the film and records nothing. Needs Xvfb, which
 # tools/setup.sh installs.
+# Expects NO_SECONDS, the library of support/no_seconds.c, besides.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
@@ -81,6 +82,24 @@ Playing from"
   expect_line out '^Played .* of 90\.0 s \(stopped\)$'
 }
 
+# The demuxer moves all streams, although the sink of the sound has none.
+moved_without_sound() {
+  press 185 space Right Escape
+  expect_line got '^0:1[0-9] of 0:30$'
+  expect_line out 'sound that cannot be decoded$'
+}
+
+# Nothing is queued that could be played: it ends without the time for that, which never comes here.
+interrupted_in_a_pause() {
+  LD_PRELOAD=${LD_PRELOAD:+$LD_PRELOAD:}$NO_SECONDS play_on "$work/long189.mkv"
+  until_true 'does not play' grep -q '^Playing ' err
+  "$PYTHON" "$here/press_keys.py" 189 space
+  until_true 'does not pause' grep -q '^Paused at ' err
+  kill -INT "$pid"
+  await 60
+  [ "$status" -eq 0 ] || fail "status $status"
+  expect_line out '^Played .*\(stopped\)$'
+}
 
 broken() {
   play -o o "$work/cut.mkv"
@@ -112,6 +131,10 @@ not_moved() {
 for width in 177 181; do
   film "long$width.mkv" "$(picture "$width" 120 I420 450 | sed s,30/1,5/1,) ! vp8enc deadline=1 ! matroskamux"
 done
+# Few frames, as making them takes a while.
+film long189.mkv "$(picture 189 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux"
+film heard.mkv "$(picture 185 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux name=mux ${vorbis/num-buffers=40/num-buffers=1200} ! mux. mux."
+sed 's/A_VORBIS/A_XORBIS/' heard.mkv >long185.mkv
 film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
 cut_film cut.mkv sound.mkv 50
 
@@ -120,6 +143,8 @@ start sound shown sound.mkv
 start odd_size shown odd.mkv
 start turned turned
 start moved moved
+start moved_without_sound moved_without_sound
+start interrupted_in_a_pause interrupted_in_a_pause
 start not_moved not_moved
 start broken broken
 start not_shown not_shown

@@ -510,7 +510,7 @@ pipes() {
   expect_line err 'is a pipe or a device'
   # Nor are they replaced.
   mkfifo pipe.png
-  for command in "convert $work/good.vtt -o pipe.vtt" "edit $work/good.vtt -o pipe.vtt --shift=1" "plot $work/good.vtt -o pipe.png" \
+  for command in "author $work/film.mkv -o pipe.vtt" "convert $work/good.vtt -o pipe.vtt" "edit $work/good.vtt -o pipe.vtt --shift=1" "plot $work/good.vtt -o pipe.png" \
     "preview $work/film.mkv $work/good.vtt -o pipe.mkv" "mux $work/film.mkv $work/good.vtt -o pipe.mkv"; do
     # shellcheck disable=SC2086
     play $command

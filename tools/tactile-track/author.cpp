@@ -105,7 +105,7 @@ public:
     std::error_code no_track;
     const auto film_time = fs::last_write_time(film_, no_film);
     const auto track_time = fs::last_write_time(output_, no_track);
-    if (no_track)
+    if (no_track || !fs::is_regular_file(output_, no_track)) // or writing it fails
       return There::nothing;
     const bool is_new = no_film || track_time >= film_time;
     const std::optional<tactile::DraftNote> note = note_of(output_);

@@ -52,7 +52,10 @@ FilmProbe::FilmProbe(const std::string &uri)
 FilmProbe::~FilmProbe()
 {
   g_signal_handlers_disconnect_by_data(discoverer_.get(), this);
-  gst_discoverer_stop(discoverer_.get());
+  // gst_discoverer_stop() alone keeps the discoverer's lock while it stops the pipeline, whose pads
+  // are then removed by a handler that waits for this lock. To dispose of it stops the pipeline
+  // without the lock, and ends the timeout, which has a reference.
+  g_object_run_dispose(G_OBJECT(discoverer_.get()));
 }
 
 void

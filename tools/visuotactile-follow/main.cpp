@@ -12,9 +12,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace {
 
@@ -174,6 +177,10 @@ run(const Options &options)
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;
   };
+  std::error_code error;
+  if (options.tracks.is_set() && !std::filesystem::is_directory(options.tracks.text(), error))
+    throw std::runtime_error("'" + options.tracks.text()
+                             + "' is not a folder; expected one for --tracks");
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),

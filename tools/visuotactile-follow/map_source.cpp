@@ -123,7 +123,8 @@ protected:
   /// Its threads use what derived classes have: these call it first of all when they end.
   void stop()
   {
-    pipeline_.reset();
+    if (pipeline_)
+      gst_element_set_state(pipeline_.get(), GST_STATE_NULL); // they use pipeline_
   }
 
   virtual void sought() = 0;
