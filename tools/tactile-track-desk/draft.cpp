@@ -67,7 +67,7 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
 
 FilmDraft::FilmDraft(DraftSettings settings, std::function<void()> changed)
     : settings_(std::move(settings)), changed_(std::move(changed)),
-      cache_(DraftCache::usual_folder()), film_(DraftCache::version(settings_.film)),
+      cache_(DraftCache::usual_folder()), film_(library::file_version(settings_.film)),
       track_(cache_.find(settings_.film, analysis_of(settings_))), cancellable_(g_cancellable_new())
 {
   if (track_)

@@ -48,7 +48,7 @@ private:
   const DraftSettings settings_;
   std::function<void()> changed_;
   const DraftCache cache_;
-  const std::optional<DraftCache::Version> film_; ///< of which it is made
+  const std::optional<library::FileVersion> film_; ///< of which it is made
   std::optional<tactile::Track> track_;
   bool failed_ = false;
   GSubprocess *process_ = nullptr;

@@ -29,6 +29,10 @@ constexpr std::array kCommands = {
   Command{ "preview", preview, "play or record a film with a track" },
   Command{ "mux", mux, "copy a film's file with a track in it" },
   Command{ "extract", extract, "take a track out of a film's file" },
+#ifdef HAVE_LIBRARY
+  Command{ "find", find, "find the track of a film in a library" },
+  Command{ "index", make_index, "list the tracks of a folder for find" },
+#endif
 #ifdef DESK_PROGRAM
   Command{ "desk", desk, "edit a track beside its film, in a browser" },
 #endif

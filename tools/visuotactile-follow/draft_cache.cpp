@@ -6,11 +6,8 @@
 #include <glib.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -20,17 +17,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *kEnding = ".vtt";
-
-/// Of the beginning, the middle and the end.
-constexpr std::uintmax_t kPart = std::uintmax_t{ 64 } << 10;
-
-struct FreeChecksum
-{
-  void operator()(GChecksum *checksum) const
-  {
-    g_checksum_free(checksum);
-  }
-};
 
 } // namespace
 
@@ -50,25 +36,13 @@ DraftCache::DraftCache(std::string folder, std::uintmax_t most_bytes)
 std::string
 DraftCache::path(const std::string &film, const AnalysisSettings &settings) const
 {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(film, error);
-  std::ifstream file(film, std::ios::binary);
-  if (error || !file)
+  const std::string content = library::film_content(film);
+  if (content.empty())
     return "";
-  const std::unique_ptr<GChecksum, FreeChecksum> sum(g_checksum_new(G_CHECKSUM_SHA256));
-  const std::string settled
-      = made_with(settings) + " " + std::to_string(size); // of no other version's analysis
-  g_checksum_update(sum.get(), reinterpret_cast<const guchar *>(settled.data()),
-                    static_cast<gssize>(settled.size()));
-  std::vector<char> bytes(kPart);
-  for (const std::uintmax_t from :
-       { std::uintmax_t{ 0 }, size / 2, size - std::min(size, kPart) }) {
-    file.clear();
-    file.seekg(static_cast<std::streamoff>(from));
-    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    g_checksum_update(sum.get(), reinterpret_cast<const guchar *>(bytes.data()), file.gcount());
-  }
-  return (fs::path(folder_) / (std::string(g_checksum_get_string(sum.get())) + kEnding)).string();
+  const std::string settled = made_with(settings) + " " + content; // of no other version's analysis
+  g_autofree gchar *sum
+      = g_compute_checksum_for_string(G_CHECKSUM_SHA256, settled.data(), gssize(settled.size()));
+  return (fs::path(folder_) / (std::string(sum) + kEnding)).string();
 }
 
 std::optional<tactile::Track>
@@ -85,25 +59,15 @@ DraftCache::find(const std::string &film, const AnalysisSettings &settings) cons
   return *std::move(track);
 }
 
-std::optional<DraftCache::Version>
-DraftCache::version(const std::string &film)
-{
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(film, error);
-  if (error)
-    return std::nullopt;
-  const fs::file_time_type changed = fs::last_write_time(film, error);
-  return error ? std::nullopt : std::optional(Version{ .size = size, .changed = changed });
-}
-
 void
 DraftCache::keep(const tactile::Track &draft, const std::string &film,
-                 const std::optional<Version> &made_of, const AnalysisSettings &settings) const
+                 const std::optional<library::FileVersion> &made_of,
+                 const AnalysisSettings &settings) const
 {
   const std::string file = path(film, settings);
   if (file.empty())
     throw std::runtime_error("cannot read '" + film + "'");
-  if (version(film) != made_of)
+  if (library::file_version(film) != made_of)
     throw std::runtime_error("'" + film + "' has changed since");
   if (g_mkdir_with_parents(folder_.c_str(), 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + folder_ + "': " + g_strerror(errno));

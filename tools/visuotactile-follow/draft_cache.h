@@ -2,6 +2,7 @@
 #pragma once
 
 #include "film/analysis.h"
+#include "library/film_content.h"
 #include "tracks/track.h"
 
 #include <cstdint>
@@ -26,20 +27,11 @@ public:
   std::optional<tactile::Track> find(const std::string &film,
                                      const AnalysisSettings &settings) const;
 
-  /// A film's file at one time. One that is still being downloaded or recorded is another later.
-  struct Version
-  {
-    std::uintmax_t size;
-    std::filesystem::file_time_type changed;
-    bool operator==(const Version &) const = default;
-  };
-  /// As it is now; none: it cannot be looked at.
-  static std::optional<Version> version(const std::string &film);
-
   /// Throws std::runtime_error with the path, also if the film's file is not that any more of which
   /// the draft was made.
   void keep(const tactile::Track &draft, const std::string &film,
-            const std::optional<Version> &made_of, const AnalysisSettings &settings) const;
+            const std::optional<library::FileVersion> &made_of,
+            const AnalysisSettings &settings) const;
 
   /// Where that is, or would be; empty: the film cannot be read.
   std::string path(const std::string &film, const AnalysisSettings &settings) const;

@@ -34,7 +34,7 @@ uri_of(const std::string &path)
 } // namespace
 
 FilmTrack::FilmTrack(Settings settings, Events events)
-    : settings_(std::move(settings)), events_(std::move(events)), library_(settings_.folder),
+    : settings_(std::move(settings)), events_(std::move(events)), library_(settings_.library),
       cache_(settings_.cache)
 {
 }
@@ -43,13 +43,14 @@ void
 FilmTrack::open(const std::string &film)
 {
   probe_.reset();
+  search_.reset();
   reader_.reset();
   what_.clear();
   fault_.clear();
   complaint_.clear();
   told_too_slow_ = false;
   film_ = film;
-  path_ = film.empty() ? "" : local_path(film);
+  path_ = film.empty() ? "" : library::local_path(film);
   events_.found(nullptr);
   if (film.empty())
     return;
@@ -61,7 +62,7 @@ FilmTrack::open(const std::string &film)
   if (beside)
     play(*beside);
   else if (!probe_)
-    look_in_folder();
+    look_in_library();
 }
 
 /// Also reports the film's 0:00, whatever its track.
@@ -94,6 +95,8 @@ FilmTrack::step(Time position, Time now)
     if (!is_beside_)
       look_in_file();
   }
+  if (search_ && search_->result())
+    take(*std::exchange(search_, nullptr)->result());
   if (!reader_)
     return;
   const bool had_none = reader_->draft() == nullptr;
@@ -101,13 +104,13 @@ FilmTrack::step(Time position, Time now)
   if (had_none && reader_->draft() != nullptr)
     events_.found(reader_->draft());
   if (reader_->is_too_slow() && !std::exchange(told_too_slow_, true))
-    events_.told("'" + film_name(film_)
+    events_.told("'" + library::film_name(film_)
                  + "' is decoded more slowly than it plays: parts of it are not felt;"
                    " tactile-track author makes its track beforehand");
   if (!reader_->failure().empty() && reader_->is_faulty())
     stop_at({ .path = path_,
               .fault = "'" + path_ + "': " + reader_->failure(),
-              .version = DraftCache::version(path_) });
+              .version = library::file_version(path_) });
   else if (!reader_->failure().empty())
     fail(reader_->failure());
   else if (reader_->is_complete())
@@ -128,7 +131,7 @@ FilmTrack::choose(std::string what)
 }
 
 void
-FilmTrack::play(const FoundTrack &found)
+FilmTrack::play(const library::FoundTrack &found)
 {
   if (!found.fault.empty()) {
     stop_at(found);
@@ -139,7 +142,7 @@ FilmTrack::play(const FoundTrack &found)
 }
 
 void
-FilmTrack::stop_at(const FoundTrack &faulty)
+FilmTrack::stop_at(const library::FoundTrack &faulty)
 {
   if (std::exchange(reader_, nullptr)) {
     what_.clear();
@@ -148,15 +151,15 @@ FilmTrack::stop_at(const FoundTrack &faulty)
   fault_ = faulty.fault;
   faulty_ = faulty.path;
   versions_[faulty.path] = faulty.version;
-  events_.told("nothing is felt of '" + film_name(film_) + "': its track is faulty: " + fault_
-               + "; mend it, or pass it over with visuotactile-follow --pass-over");
+  events_.told("nothing is felt of '" + library::film_name(film_) + "': its track is faulty: "
+               + fault_ + "; mend it, or pass it over with visuotactile-follow --pass-over");
 }
 
 /// Since the faulty file was read.
 bool
 FilmTrack::has_changed(const std::string &path) const
 {
-  return DraftCache::version(path) != versions_.at(path);
+  return library::file_version(path) != versions_.at(path);
 }
 
 void
@@ -173,7 +176,7 @@ FilmTrack::look_in_file()
 {
   reads_file_ = file_.may_have_track && !passed_over_.contains(path_);
   if (!reads_file_) {
-    look_in_folder();
+    look_in_library();
     return;
   }
   try {
@@ -184,15 +187,24 @@ FilmTrack::look_in_file()
 }
 
 void
-FilmTrack::look_in_folder()
+FilmTrack::look_in_library()
 {
-  std::optional<FoundTrack> found = library_.named(film_, passed_over_, complaint_);
-  if (!found && file_.duration) {
-    std::string faulty;
-    found = library_.alike(film_, *file_.duration, faulty);
-    if (!found && !faulty.empty())
-      events_.told("a track that '" + film_name(film_) + "' may have is faulty: " + faulty);
-  }
+  search_ = std::make_unique<LibrarySearch>(library_, film_, file_.duration, passed_over_);
+  if (search_->result())
+    take(*std::exchange(search_, nullptr)->result());
+}
+
+void
+FilmTrack::take(const LibrarySearch::Result &result)
+{
+  const auto &[found, complaints] = result;
+  if (!complaints.library.empty())
+    complaint_ = complaints.library;
+  if (!found && !complaints.alike.empty())
+    events_.told("a track that '" + library::film_name(film_)
+                 + "' may have is faulty: " + complaints.alike);
+  if (!found && library_.is_on_server() && !complaints.library.empty())
+    events_.told("no track of the library can be used: " + complaints.library);
   if (found)
     play(*found);
   else if (settings_.makes_drafts && file_.has_picture)
@@ -212,7 +224,7 @@ FilmTrack::make_draft()
     events_.found(std::make_shared<tactile::Draft>(*kept));
     return;
   }
-  made_of_ = DraftCache::version(path_);
+  made_of_ = library::file_version(path_);
   try {
     read(open_analysis(uri_of(path_), file_.start.stream, analysis_),
          "a draft that is made while it plays");
@@ -237,11 +249,11 @@ FilmTrack::fail(std::string why) // it may be the reader's
   if (reads_file_ && !has_some) { // it promised one
     reads_file_ = false;
     complaint_ = std::move(why);
-    look_in_folder();
+    look_in_library();
     return;
   }
   if (has_some) {
-    events_.told("no more of '" + film_name(film_) + "' is felt: " + why);
+    events_.told("no more of '" + library::film_name(film_) + "' is felt: " + why);
     return;
   }
   what_.clear();
@@ -249,7 +261,7 @@ FilmTrack::fail(std::string why) // it may be the reader's
       = complaint_.empty() ? library_.expected(film_) : "a track, got " + complaint_;
   if (!why.empty())
     expected += "; no draft can be made: " + why;
-  events_.told("no track for '" + film_name(film_) + "': expected " + expected
+  events_.told("no track for '" + library::film_name(film_) + "': expected " + expected
                + "; make one with tactile-track author");
 }
 
@@ -264,7 +276,8 @@ FilmTrack::complete()
   what_ = "a whole draft";
   try {
     cache_.keep(draft->track(end, analysis_.rate), path_, made_of_, analysis_);
-    events_.told("the draft of '" + film_name(film_) + "' is complete, and kept for the next time");
+    events_.told("the draft of '" + library::film_name(film_)
+                 + "' is complete, and kept for the next time");
   } catch (const std::runtime_error &error) {
     events_.told(std::string("the draft is complete, but not kept: ") + error.what());
   }

@@ -3,7 +3,7 @@
 
 #include "draft_cache.h"
 #include "film_probe.h"
-#include "library.h"
+#include "library_search.h"
 
 #include "film/analysis.h"
 #include "follow/ahead_reader.h"
@@ -15,7 +15,7 @@
 #include <string>
 
 /// Where a film's track comes from. Of these the first that there is: a file beside the film, the
-/// film's own file, the user's folder of tracks, a draft of an earlier time, a draft that is made
+/// film's own file, the user's library of tracks, a draft of an earlier time, a draft that is made
 /// ahead of the position while the film plays. A faulty track ends the search, and nothing is felt:
 /// until its file changes or is passed over. Of the main context's thread, which it does not hold
 /// up.
@@ -24,7 +24,7 @@ class FilmTrack
 public:
   struct Settings
   {
-    std::string folder; ///< of tracks; empty: none
+    std::string library; ///< a folder or address of tracks; empty: none
     bool makes_drafts = true;
     AnalysisSettings analysis{};
     std::string cache = DraftCache::usual_folder(); ///< of drafts
@@ -53,7 +53,7 @@ public:
   /// Something may be found still, or become known.
   bool is_looking() const
   {
-    return probe_ != nullptr || reader_ != nullptr;
+    return probe_ != nullptr || search_ != nullptr || reader_ != nullptr;
   }
   /// What is felt, such as "a draft"; empty: nothing.
   const std::string &what() const
@@ -75,11 +75,12 @@ public:
 
 private:
   void probe();
-  void play(const FoundTrack &found);
-  void stop_at(const FoundTrack &faulty);
+  void play(const library::FoundTrack &found);
+  void stop_at(const library::FoundTrack &faulty);
   bool has_changed(const std::string &path) const;
   void look_in_file();
-  void look_in_folder();
+  void look_in_library();
+  void take(const LibrarySearch::Result &found);
   void choose(std::string what);
   void read(std::unique_ptr<follow::MapSource> source, const std::string &what);
   void make_draft();
@@ -88,19 +89,20 @@ private:
 
   const Settings settings_;
   const Events events_;
-  const Library library_;
+  const library::Library library_;
   const DraftCache cache_;
-  std::optional<DraftCache::Version> made_of_; ///< the draft
+  std::optional<library::FileVersion> made_of_; ///< the draft
   std::string film_;
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;
   std::string what_;
   std::string fault_;
-  std::string faulty_;                                                 ///< the file
-  std::map<std::string, std::optional<DraftCache::Version>> versions_; ///< of faulty tracks
-  Library::Skipped passed_over_;
+  std::string faulty_;                                                  ///< the file
+  std::map<std::string, std::optional<library::FileVersion>> versions_; ///< of faulty tracks
+  library::Library::Skipped passed_over_;
   follow::Time looked_at_{ 0 }; ///< when the faulty file was
   std::unique_ptr<FilmProbe> probe_;
+  std::unique_ptr<LibrarySearch> search_;
   AnalysisSettings analysis_; ///< of this film
   FilmProbe::Result file_;    ///< what is in it
   std::unique_ptr<follow::AheadReader> reader_;

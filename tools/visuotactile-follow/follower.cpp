@@ -42,7 +42,7 @@ Follower::Follower(const FollowSettings &settings)
                                         [this] {
                                           if (current_ != nullptr)
                                             tell(current_->player->name() + " plays '"
-                                                 + film_name(film_) + "' with "
+                                                 + library::film_name(film_) + "' with "
                                                  + film_track_.what());
                                         },
                                     .probed = [this] { cues_.change_player(); },
@@ -166,7 +166,7 @@ Follower::list()
     const auto estimate = followed.estimator.at(local_time());
     std::printf("%s: %s", followed.player->name().c_str(), word(followed.last.doing));
     if (!followed.last.film.empty())
-      std::printf(" '%s'", film_name(followed.last.film).c_str());
+      std::printf(" '%s'", library::film_name(followed.last.film).c_str());
     if (estimate)
       std::printf(" at %.1f s", static_cast<double>(estimate->position.count()) / 1e9);
     std::printf("\n");

@@ -89,7 +89,7 @@ Follower::status() const
   status.player = current_->player->name();
   if (!rests_)
     status.state = word(current_->last.doing);
-  status.film = film_name(film_);
+  status.film = library::film_name(film_);
   status.track = film_track_.what();
   status.fault = film_track_.fault();
   if (current_->last.doing == Doing::playing && !current_->player->fault().empty()) {

@@ -65,7 +65,8 @@ read_command_line(int argc, char **argv, Options &options)
     { "kodi", 0, 0, G_OPTION_ARG_STRING, &options.kodi.value,
       "Follow Kodi through JSON-RPC on this host (default port: 9090)", "HOST[:PORT]" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Folder of tracks for films without a track beside them", "DIR" },
+      "Folder of tracks, or its address on a web server, for films without a track beside them",
+      "DIR|URL" },
     { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "Exit when the player exits", nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
       "Make no drafts for films without a track", nullptr },
@@ -104,7 +105,7 @@ read_command_line(int argc, char **argv, Options &options)
                     "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus.\n"
                     "Without --mpv, --kodi and --mpris, any player that plays is followed.\n\n"
                     "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
-                    ".haptic, .ahap, .funscript, .tact) beside it, in the film, or in the folder\n"
+                    ".haptic, .ahap, .funscript, .tact) beside it, in the film, or in the library\n"
                     "of --tracks; tactile-track makes it. For other films on this computer, a\n"
                     "draft is made while they play.\n\n"
                     "Ctrl-C stops the program and all motors. SIGUSR1 delays the vibration by\n"
@@ -189,7 +190,7 @@ run(const Options &options)
         .insists_on_kodi = options.kodi.is_set(),
         .uses_bus = any || options.mpris.is_set(),
         .mpris = options.mpris.text(),
-        .track = { .folder = options.tracks.text(),
+        .track = { .library = options.tracks.text(),
                    .makes_drafts = options.no_drafts == FALSE,
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
         .sink = options.chair.sink_line(),

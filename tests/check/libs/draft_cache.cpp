@@ -73,7 +73,7 @@ GST_START_TEST(test_known_by_content)
   const std::string film = make_film(folder / "film.mkv", 0, 'a');
   const AnalysisSettings settings;
   fail_if(cache.find(film, settings).has_value());
-  cache.keep(track_of(20), film, DraftCache::version(film), settings);
+  cache.keep(track_of(20), film, library::file_version(film), settings);
   const auto kept = cache.find(film, settings);
   fail_unless(kept.has_value());
   ck_assert(kept->entries() == track_of(20).entries() && kept->end() == 20s);
@@ -96,7 +96,7 @@ GST_START_TEST(test_a_film_that_changes)
   const Folder folder;
   const DraftCache cache(folder / "drafts");
   const std::string film = make_film(folder / "film.mkv", 0, 'a');
-  const auto is_kept = [&](const std::optional<DraftCache::Version> &made_of) {
+  const auto is_kept = [&](const std::optional<library::FileVersion> &made_of) {
     try {
       cache.keep(track_of(3), film, made_of, {});
     } catch (const std::runtime_error &) {
@@ -104,17 +104,17 @@ GST_START_TEST(test_a_film_that_changes)
     }
     return true;
   };
-  const auto begun = DraftCache::version(film);
+  const auto begun = library::file_version(film);
   std::ofstream(film, std::ios::app) << "f";
   ck_assert(!is_kept(begun));
   // What was a hole is filled, where nobody looks.
-  const auto whole = DraftCache::version(film);
+  const auto whole = library::file_version(film);
   fail_unless(whole.has_value());
   make_film(film, 300'000, 'b');
   fs::last_write_time(film, whole->changed + 1s);
   ck_assert(!is_kept(whole));
   fail_if(cache.find(film, {}).has_value());
-  ck_assert(is_kept(DraftCache::version(film)));
+  ck_assert(is_kept(library::file_version(film)));
   fail_unless(cache.find(film, {}).has_value());
   ck_assert(!is_kept(std::nullopt));
 }
@@ -125,7 +125,7 @@ GST_START_TEST(test_other_settings)
   const Folder folder;
   const DraftCache cache(folder / "drafts");
   const std::string film = make_film(folder / "film.mkv", 0, 'a');
-  cache.keep(track_of(3), film, DraftCache::version(film), {});
+  cache.keep(track_of(3), film, library::file_version(film), {});
   fail_if(cache.find(film, { .rate = 10 }).has_value());
   fail_if(cache.find(film, { .rows = 5 }).has_value());
   fail_if(cache.find(film, { .profile = "paper" }).has_value());
@@ -142,10 +142,10 @@ GST_START_TEST(test_bounded)
       = { make_film(folder / "a.mkv", 0, 'a'), make_film(folder / "b.mkv", 0, 'b'),
           make_film(folder / "c.mkv", 0, 'c') };
   const DraftCache unlimited(drafts);
-  unlimited.keep(track_of(100), films[0], DraftCache::version(films[0]), {});
+  unlimited.keep(track_of(100), films[0], library::file_version(films[0]), {});
   const std::uintmax_t size = fs::file_size(unlimited.path(films[0], {}));
   const DraftCache cache(drafts, 5 * size / 2);
-  cache.keep(track_of(100), films[1], DraftCache::version(films[1]), {});
+  cache.keep(track_of(100), films[1], library::file_version(films[1]), {});
   const auto used = [&](const std::string &film, std::chrono::seconds ago) {
     fs::last_write_time(cache.path(film, {}), fs::file_time_type::clock::now() - ago);
   };
@@ -153,7 +153,7 @@ GST_START_TEST(test_bounded)
   used(films[1], 100s);
   fail_unless(cache.find(films[0], {}).has_value()); // now the last used
   std::ofstream(drafts + "/notes.txt") << "not a draft";
-  cache.keep(track_of(100), films[2], DraftCache::version(films[2]), {});
+  cache.keep(track_of(100), films[2], library::file_version(films[2]), {});
   fail_unless(cache.find(films[0], {}).has_value());
   fail_if(cache.find(films[1], {}).has_value());
   fail_unless(cache.find(films[2], {}).has_value());
@@ -166,16 +166,16 @@ GST_START_TEST(test_damaged)
   const Folder folder;
   const DraftCache cache(folder / "drafts");
   const std::string film = make_film(folder / "film.mkv", 0, 'a');
-  cache.keep(track_of(3), film, DraftCache::version(film), {});
+  cache.keep(track_of(3), film, library::file_version(film), {});
   std::ofstream(cache.path(film, {})) << "damaged";
   fail_if(cache.find(film, {}).has_value());
-  cache.keep(track_of(3), film, DraftCache::version(film), {});
+  cache.keep(track_of(3), film, library::file_version(film), {});
   fail_unless(cache.find(film, {}).has_value());
   // No folder can be made in a file.
   const DraftCache nowhere(film + "/drafts");
   bool refused = false;
   try {
-    nowhere.keep(track_of(3), film, DraftCache::version(film), {});
+    nowhere.keep(track_of(3), film, library::file_version(film), {});
   } catch (const std::runtime_error &error) {
     refused = std::string(error.what()).find(film) != std::string::npos;
   }

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace library {
+
+/// SHA-256, in hexadecimal, of a film's size in decimal and 64 KiB each of its beginning, from its
+/// middle and of its end: whatever its name. Empty: it is no file, or cannot be read.
+std::string film_content(const std::string &film);
+
+/// A file at one time. One that is still being downloaded or recorded is another later.
+struct FileVersion
+{
+  std::uintmax_t size;
+  std::filesystem::file_time_type changed;
+  bool operator==(const FileVersion &) const = default;
+};
+
+/// As it is now; none: it cannot be looked at.
+std::optional<FileVersion> file_version(const std::string &path);
+
+} // namespace library

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "nanoseconds.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace library {
+
+/// The file of an index, in the folder of its tracks.
+inline constexpr const char *kIndexName = "tracks.json";
+
+/// A track of a library.
+struct IndexEntry
+{
+  std::string file;                 ///< path below the index; parts are neither hidden nor ".."
+  visuotactile::Time duration{ 0 }; ///< end of the track
+  std::string film;                 ///< name of the film's file; empty: unknown
+  std::string content;              ///< film_content(); empty: unknown
+};
+
+/// Reads an index: {"tracks": [{"file": "a.vtt", "duration": 12.5, "film": "a.mkv", "content":
+/// "0f…"}]}, at most 8 MiB and 100 000 tracks. The error says what was expected and where.
+tl::expected<std::vector<IndexEntry>, std::string> read_index(std::string_view text);
+
+/// Writes it.
+std::string write_index(const std::vector<IndexEntry> &entries);
+
+/// Bytes of the largest index that is read.
+inline constexpr std::size_t kMostIndex = std::size_t{ 8 } << 20;
+
+} // namespace library

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Indexes of libraries, and films by their content.
+#include "library/library.h"
+#include "library/track_index.h"
+#include "library/web.h"
+#include "support/temporary_file.h"
+
+#include <fstream>
+#include <string>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string
+index_of(const std::string &members)
+{
+  return "{\"tracks\": [{" + members + "}]}";
+}
+
+} // namespace
+
+/// sha256sum of the size, the beginning, the second half and the end: "4", "film", "lm", "film".
+GST_START_TEST(test_content)
+{
+  const TemporaryFile film("film");
+  fail_unless(library::film_content(film.path)
+              == "69621c5ced61ec395d9e584464853b70fba843d6201764f602842e19ec9e698d");
+  fail_unless(library::film_content("/nowhere").empty());
+  fail_unless(library::film_content("/tmp").empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_index)
+{
+  const std::vector<library::IndexEntry> entries = {
+    { .file = "a b.vtt", .duration = 12500ms, .film = "a b.mkv", .content = std::string(64, 'f') },
+    { .file = "below/ü.csv", .duration = 0ms }
+  };
+  const auto read = library::read_index(library::write_index(entries));
+  fail_unless(read && read->size() == 2, "%s", read ? "" : read.error().c_str());
+  fail_unless((*read)[0].file == "a b.vtt" && (*read)[0].duration == 12500ms
+              && (*read)[0].film == "a b.mkv" && (*read)[0].content == std::string(64, 'f'));
+  fail_unless((*read)[1].file == "below/ü.csv" && (*read)[1].content.empty());
+}
+GST_END_TEST;
+
+/// Whatever would lead elsewhere or is out of bounds.
+GST_START_TEST(test_hostile)
+{
+  for (const char *members :
+       { "\"file\": \"../a.vtt\", \"duration\": 1", "\"file\": \"/etc/a.vtt\", \"duration\": 1",
+         "\"file\": \"a/../../b.vtt\", \"duration\": 1", "\"file\": \".a.vtt\", \"duration\": 1",
+         "\"file\": \"a//b.vtt\", \"duration\": 1", "\"file\": \"http://a/b.vtt\", \"duration\": 1",
+         "\"file\": \"a\\\\b.vtt\", \"duration\": 1", "\"file\": \"a\\nb.vtt\", \"duration\": 1",
+         "\"file\": \"\", \"duration\": 1", "\"file\": \"a.vtt\"",
+         "\"file\": \"a.vtt\", \"duration\": -1", "\"file\": \"a.vtt\", \"duration\": 1e9",
+         "\"file\": \"a.vtt\", \"duration\": \"1\"",
+         "\"file\": \"a.vtt\", \"duration\": 1, \"film\": \"../a.mkv\"",
+         "\"file\": \"a.vtt\", \"duration\": 1, \"content\": \"0\"" }) {
+    const auto read = library::read_index(index_of(members));
+    fail_unless(!read && read.error().starts_with("track 1: expected "), "%s", members);
+  }
+  for (const char *text :
+       { "", "[]", "{}", "{\"tracks\": 1}", "{\"tracks\": [1]}", "{\"tracks\": [" })
+    fail_unless(!library::read_index(text), "%s", text);
+  fail_unless(!library::read_index(std::string(library::kMostIndex + 1, ' ')));
+  std::string many = "{\"tracks\": [0";
+  for (int i = 0; i < 100'000; i++)
+    many += ",0";
+  fail_unless(library::read_index(many + "]}").error().find("at most 100000") != std::string::npos);
+}
+GST_END_TEST;
+
+/// Only http and https, and nothing of the user's in the request.
+GST_START_TEST(test_addresses)
+{
+  for (const char *address :
+       { "ftp://host/a", "http://", "http://me:secret@host/a", "http://me@host/a",
+         "http://host/a?q", "http://host/a#f", "nothing" }) {
+    const auto body = library::fetch(address, 1);
+    fail_unless(!body && body.error().find("expected http://HOST") != std::string::npos, "%s",
+                address);
+  }
+  fail_unless(library::is_address("http://host/a") && !library::is_address("/a")
+              && !library::is_address("file:///a"));
+}
+GST_END_TEST;
+
+static Suite *
+library_suite()
+{
+  Suite *suite = suite_create("library");
+  TCase *tests = tcase_create("all");
+  tcase_add_test(tests, test_content);
+  tcase_add_test(tests, test_index);
+  tcase_add_test(tests, test_hostile);
+  tcase_add_test(tests, test_addresses);
+  suite_add_tcase(suite, tests);
+  return suite;
+}
+
+GST_CHECK_MAIN(library);

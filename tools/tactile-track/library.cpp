@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// find and index: tracks of films in a folder or on a web server.
+#include "commands.h"
+
+#include "film/film.h"
+#include "library/library.h"
+#include "library/track_index.h"
+#include "tracks/formats/track_file.h"
+
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A film's duration; none: it cannot be decoded here, which does not matter to other searches.
+std::optional<tactile::Time>
+duration_of(const std::string &film)
+{
+  try {
+    const GstClockTime duration = discover_film(film).duration;
+    if (GST_CLOCK_TIME_IS_VALID(duration))
+      return tactile::Time(static_cast<tactile::Time::rep>(duration));
+  } catch (const std::runtime_error &) {
+  }
+  return std::nullopt;
+}
+
+/// Names of files without what follows the name that a film and its track share.
+std::string
+stem_of(const std::string &name)
+{
+  for (const std::string ending : tactile::kFilmTrackEndings)
+    if (name.ends_with(ending))
+      return name.substr(0, name.size() - ending.size());
+  return "";
+}
+
+/// Films of a folder, by their names without extension.
+std::map<std::string, fs::path>
+films_in(const fs::path &folder)
+{
+  std::map<std::string, fs::path> films;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    std::error_code none;
+    if (stem_of(name).empty() && entry->path().extension() != ".json"
+        && entry->is_regular_file(none))
+      films.emplace(entry->path().stem().string(), entry->path());
+  }
+  if (error)
+    throw std::runtime_error("cannot read the folder '" + folder.string()
+                             + "': " + error.message());
+  return films;
+}
+
+} // namespace
+
+int
+find(int argc, char **argv)
+{
+  TextOption output;
+  TextOption tracks;
+  CommonOptions common;
+  const GOptionEntry entries[] = {
+    { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &tracks.value,
+      "Folder of tracks, or its address on a web server (http://HOST/FOLDER)", "DIR|URL" },
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "Write the track; its name's ending is the format", "TRACK" },
+    {},
+  };
+  const std::vector<std::string> names = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FILM",
+        .summary
+        = "Looks for the track of a film beside it and in a library: by the film's name, "
+          "its\ncontent, and its duration with words of its name. Prints where the track "
+          "is, or exits\nwith 1. The only requests to a server are for its index and the track.",
+        .least = 1,
+        .most = 1 });
+  gst_init(nullptr, nullptr);
+  if (output.is_set())
+    or_throw(tactile::written_format(output.text()));
+  const std::string film = fs::absolute(film_path(names[0])).lexically_normal().string();
+  const library::Library library(tracks.text());
+  library::Library::Complaints complaints;
+  auto found = library.beside(film, {}, complaints.library);
+  if (!found)
+    found = library.stored(film, duration_of(film), {}, complaints);
+  if (found && !found->fault.empty())
+    throw std::runtime_error("the track is faulty: " + found->fault);
+  if (!found) {
+    const std::string why = complaints.library.empty() ? complaints.alike : complaints.library;
+    throw std::runtime_error("no track for '" + names[0] + "': expected "
+                             + (why.empty() ? library.expected(film) : "a track, got " + why)
+                             + "; make one with tactile-track author");
+  }
+  if (output.is_set())
+    write_track_file(found->track, output.text());
+  std::printf("%s\n", found->path.c_str());
+  return 0;
+}
+
+int
+make_index(int argc, char **argv)
+{
+  TextOption films;
+  CommonOptions common;
+  const GOptionEntry entries[] = {
+    { "films", 0, 0, G_OPTION_ARG_FILENAME, &films.value,
+      "Folder of the tracks' films, which are listed by name and content (default: FOLDER)",
+      "DIR" },
+    {},
+  };
+  const std::vector<std::string> names = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Writes FOLDER/tracks.json, by which find and visuotactile-follow find tracks, "
+                   "also on a\nweb server. The films need not be there later.",
+        .least = 1,
+        .most = 1 });
+  const fs::path folder = names[0];
+  const std::map<std::string, fs::path> known = films_in(films.text(names[0].c_str()));
+  std::vector<library::IndexEntry> index;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const std::string stem = stem_of(name);
+    if (stem.empty() || name.starts_with('.'))
+      continue;
+    const auto track = tactile::read_track_file(entry->path().string());
+    if (!track) {
+      print_error("tactile-track index", "not listed: " + track.error().text());
+      continue;
+    }
+    library::IndexEntry listed{ .file = name, .duration = track->end() };
+    if (const auto film = known.find(stem); film != known.end()) {
+      listed.film = film->second.filename().string();
+      listed.content = library::film_content(film->second.string());
+    }
+    index.push_back(std::move(listed));
+  }
+  if (error)
+    throw std::runtime_error("cannot read the folder '" + folder.string()
+                             + "': " + error.message());
+  std::ranges::sort(index, {}, &library::IndexEntry::file);
+  const std::string text = library::write_index(index);
+  if (const auto read = library::read_index(text); !read)
+    throw std::runtime_error("'" + folder.string() + "': " + read.error());
+  write_bytes(text, (folder / library::kIndexName).string());
+  if (!common.quiet)
+    std::printf("%zu tracks\n", index.size());
+  return 0;
+}
