@@ -6,12 +6,16 @@ session, and its ways out: a locked screen, a computer that goes to sleep, a ses
 Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
 Usage: follow_service.py [PART ...]      of drafts, embedded, uneven, library, faulty, status, activation, ways_out; all by default"""
 
+import functools
+import http.server
+import json
 import os
 import pathlib
 import re
 import shutil
 import signal
 import subprocess
+import threading
 import time
 
 import dbus
@@ -117,8 +121,12 @@ def embedded():
         mpv = Mpv(carrier, "--start=9", "--pause")
         follower = Follower(mpv, "--no-drafts")
         follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
+        # Until it plays, others may have the vest.
+        assert "state:    paused" in ask("--status")
+        begin = time.monotonic()
         mpv.command("set_property", "pause", False)
         vest.wait_to_feel()
+        assert vest.opened[-1] > begin, "the vest was taken by a film that did not play"
         # The film ends.
         mpv.process.wait(LATEST)
         wait_until("silence", vest.is_silent)
@@ -174,6 +182,18 @@ def library():
     follower.wait_for(f"with '{work}/tracks/Bouncing Balls.csv'")
     vest.wait_to_feel()
     follower.end()
+    # The same library on a web server.
+    index = {"tracks": [{"file": "Bouncing Balls.csv", "duration": 12}]}
+    (work / "tracks" / "tracks.json").write_text(json.dumps(index), encoding="utf-8")
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=work / "tracks")
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    address = f"http://127.0.0.1:{server.server_port}"
+    follower = Follower(mpv, f"--tracks={address}")
+    follower.wait_for(f"with '{address}/Bouncing%20Balls.csv'")
+    vest.wait_to_feel()
+    follower.end()
+    server.shutdown()
     mpv.quit()
     shutil.rmtree(film.parent)
 

@@ -71,10 +71,13 @@ class Vest:
         self.device = f"vest-back@127.0.0.1:{port.split()[1]}"
         helpers.append(self.server)
         self.lines = []
+        self.opened = []  # times of connections
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self):
         for line in self.server.stdout:
+            if line == "open\n":
+                self.opened.append(time.monotonic())
             # What was not ended in time on a busy computer expires.
             if line.startswith(("motors", "expired")):
                 self.lines.append((time.monotonic(), line.startswith("motors") and len(line.split()) > 2))

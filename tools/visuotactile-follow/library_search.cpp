@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "library_search.h"
 
+#include <exception>
 #include <utility>
 
 LibrarySearch::LibrarySearch(const library::Library &library, std::string film,
@@ -9,7 +10,11 @@ LibrarySearch::LibrarySearch(const library::Library &library, std::string film,
     : stop_(g_cancellable_new())
 {
   auto look = [this, &library, film = std::move(film), duration, skipped = std::move(skipped)] {
-    result_.found = library.stored(film, duration, skipped, result_.complaints, stop_);
+    try {
+      result_.found = library.stored(film, duration, skipped, result_.complaints, stop_);
+    } catch (const std::exception &error) {
+      result_.complaints.library = error.what();
+    }
     is_done_ = true;
   };
   if (library.is_on_server())

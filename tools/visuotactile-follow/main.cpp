@@ -6,6 +6,7 @@
 #include "film/chair_options.h"
 #include "film/known_driver.h"
 #include "film/sound.h"
+#include "library/web.h"
 
 #include <gst/gst.h>
 
@@ -178,10 +179,13 @@ run(const Options &options)
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;
   };
+  // A folder may come later.
   std::error_code error;
-  if (options.tracks.is_set() && !std::filesystem::is_directory(options.tracks.text(), error))
-    throw std::runtime_error("'" + options.tracks.text()
-                             + "' is not a folder; expected one for --tracks");
+  if (const std::string tracks = options.tracks.text();
+      !library::is_address(tracks) && std::filesystem::exists(tracks, error)
+      && !std::filesystem::is_directory(tracks, error))
+    throw std::runtime_error("'" + tracks
+                             + "' is not a folder; expected a folder or an address for --tracks");
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),

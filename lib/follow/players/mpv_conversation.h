@@ -44,7 +44,7 @@ private:
   bool ended_ = false; ///< the present film; mpv notifies of the next path if it differs
   std::string folder_; ///< mpv's working directory
   bool paused_ = false;
-  bool idle_ = false; ///< neither plays nor is paused
+  bool idle_ = true; ///< neither plays nor is paused; mpv reports it last but one
   bool seeking_ = false;
   double rate_ = 1;
   Time frame_{ 0 };              ///< duration of the last reported one; 0: unknown

@@ -85,6 +85,24 @@ GST_START_TEST(test_play)
 }
 GST_END_TEST;
 
+/// mpv reports the properties one after the other: a film that waits in a pause never seems to
+/// play.
+GST_START_TEST(test_paused_at_first)
+{
+  Talk talk;
+  for (const auto &[name, data] :
+       { std::pair<const char *, const char *>{ "working-directory", "\"/films\"" },
+         { "path", "\"film.mkv\"" },
+         { "seeking", "false" },
+         { "core-idle", "true" },
+         { "pause", "true" },
+         { "speed", "1.000000" },
+         { "time-pos", "9.000000" } })
+    fail_if(talk.property(name, data).doing == Doing::playing, "%s", name);
+  ck_assert(talk.property("time-pos", "9.000000").doing == Doing::paused);
+}
+GST_END_TEST;
+
 /// It tells a frame while the one before is on the screen.
 GST_START_TEST(test_frame_ahead)
 {
@@ -248,6 +266,7 @@ mpv_conversation_suite(void)
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_questions);
   tcase_add_test(tcase, test_play);
+  tcase_add_test(tcase, test_paused_at_first);
   tcase_add_test(tcase, test_frame_ahead);
   tcase_add_test(tcase, test_variable_frame_rate);
   tcase_add_test(tcase, test_life_sign);
