@@ -133,6 +133,8 @@ GST_START_TEST(test_replies_always_cut_short)
         fail_if(rig.firmware->any_motor_on());
         const char *const step
             = knows_firmware ? "does not say what its pins can do" : "is not Firmata";
+        // A reply may have left the board too late for the driver to hear it.
+        gets_there &= why.find("it does not answer") == std::string::npos;
         if (gets_there)
           fail_unless(why.find(step) != std::string::npos, "%s", why.c_str());
       }

@@ -67,6 +67,11 @@ const Input kTrack{ "tactile", kMaps.caps, kMaps.make };
 const Input kText{ "sink", "text/x-raw,format=utf8", [] {
                     return gst_buffer_new_memdup("100 0", 5);
                   } };
+const Input kCues{ "text_sink", kText.caps, kText.make };
+const Input kPictures{ "video_sink", "video/x-raw,format=I420,width=16,height=16,framerate=25/1",
+                       [] {
+                         return bytes(384);
+                       } };
 const Input kSound{ "sink", "audio/x-raw,format=F32LE,rate=48000,channels=1,layout=interleaved",
                     [] {
                       return bytes(48000 / 25 * sizeof(float));
@@ -114,6 +119,7 @@ const std::vector<Case> kCases{
     { kMaps },
     { "x:src" },
     {} },
+  { "tactilesubtitles name=x", { kPictures, kCues }, { "x:src" }, { "words:text_sink" } },
   { "tactileklvdec name=x", { kKlv }, { "x:src" }, { "x:src", "to-src:sink" } },
   { "tactileklvdec name=x", { kWords }, { "x:src" }, {} },
   { "tactorsink name=x driver=simulator", { kMaps }, { "x:sink" }, {} },
