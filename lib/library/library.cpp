@@ -112,16 +112,6 @@ words(const std::string &name)
   }
 }
 
-/// The name of a track without its ending; empty: it is none by its name.
-std::string
-track_stem(const std::string &name)
-{
-  for (const char *ending : kEndings)
-    if (name.ends_with(ending))
-      return name.substr(0, name.size() - std::strlen(ending));
-  return "";
-}
-
 /// The entry that has the film's content; null: none has.
 const IndexEntry *
 of_content(const std::vector<IndexEntry> &entries, const std::string &film)
@@ -194,6 +184,15 @@ fitting(const std::vector<IndexEntry> &entries, const std::string &film,
 }
 
 } // namespace
+
+std::string
+track_stem(const std::string &name)
+{
+  for (const char *ending : kEndings)
+    if (name.ends_with(ending))
+      return name.substr(0, name.size() - std::strlen(ending));
+  return "";
+}
 
 std::string
 local_path(const std::string &film)

@@ -77,6 +77,9 @@ private:
 /// The path of a film on this computer; empty: it has none.
 std::string local_path(const std::string &film);
 
+/// The name of a track's file without its ending; empty: it has no ending of a film's track.
+std::string track_stem(const std::string &name);
+
 /// The name to call a film by.
 std::string film_name(const std::string &film);
 

@@ -32,16 +32,6 @@ duration_of(const std::string &film)
   return std::nullopt;
 }
 
-/// Names of files without what follows the name that a film and its track share.
-std::string
-stem_of(const std::string &name)
-{
-  for (const std::string ending : tactile::kFilmTrackEndings)
-    if (name.ends_with(ending))
-      return name.substr(0, name.size() - ending.size());
-  return "";
-}
-
 /// Films of a folder, by their names without extension.
 std::map<std::string, fs::path>
 films_in(const fs::path &folder)
@@ -52,7 +42,7 @@ films_in(const fs::path &folder)
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     std::error_code none;
-    if (stem_of(name).empty() && entry->path().extension() != ".json"
+    if (library::track_stem(name).empty() && entry->path().extension() != ".json"
         && entry->is_regular_file(none))
       films.emplace(entry->path().stem().string(), entry->path());
   }
@@ -99,8 +89,8 @@ find(int argc, char **argv)
     throw std::runtime_error("the track is faulty: " + found->fault);
   if (!found) {
     const std::string why = complaints.library.empty() ? complaints.alike : complaints.library;
-    throw std::runtime_error("no track for '" + names[0] + "': expected "
-                             + (why.empty() ? library.expected(film) : "a track, got " + why)
+    throw std::runtime_error("no track for '" + names[0]
+                             + "': " + (why.empty() ? "expected " + library.expected(film) : why)
                              + "; make one with tactile-track author");
   }
   if (output.is_set())
@@ -134,7 +124,7 @@ make_index(int argc, char **argv)
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::string stem = stem_of(name);
+    const std::string stem = library::track_stem(name);
     if (stem.empty() || name.starts_with('.'))
       continue;
     const auto track = tactile::read_track_file(entry->path().string());

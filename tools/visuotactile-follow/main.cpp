@@ -6,7 +6,6 @@
 #include "film/chair_options.h"
 #include "film/known_driver.h"
 #include "film/sound.h"
-#include "library/web.h"
 
 #include <gst/gst.h>
 
@@ -179,11 +178,10 @@ run(const Options &options)
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;
   };
-  // A folder may come later.
+  // A folder may come later, and an address is no file.
   std::error_code error;
   if (const std::string tracks = options.tracks.text();
-      !library::is_address(tracks) && std::filesystem::exists(tracks, error)
-      && !std::filesystem::is_directory(tracks, error))
+      std::filesystem::exists(tracks, error) && !std::filesystem::is_directory(tracks, error))
     throw std::runtime_error("'" + tracks
                              + "' is not a folder; expected a folder or an address for --tracks");
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
