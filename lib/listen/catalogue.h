@@ -20,7 +20,7 @@ struct Place
   int votes = 0;          ///< hashes that say so
 };
 
-/// Hashes of all films → where each of them is: 4 bytes a hash. The films' hashes are asked for
+/// Hashes of all films → where each of them is: 4 bytes a hash. The films' hashes are read
 /// twice, so that they are never held twice.
 class HashIndex
 {

@@ -18,8 +18,8 @@ struct Fit
 /// Onsets that fit elsewhere by chance are at least so many steps away: 32 ms.
 inline constexpr int kPeakWidth = 8;
 
-/// Moves the onsets over the reference, signs() of its steps. `rate`: steps of the reference to one of the onsets. The reference holds
-/// reference_steps(onsets.size(), rate, reach).
+/// Moves the onsets over the reference, signs() of its steps. `rate`: steps of the reference to one
+/// of the onsets. The reference holds reference_steps(onsets.size(), rate, reach).
 Fit fit(std::span<const Onset> onsets, std::span<const std::uint8_t> reference, double rate,
         int reach);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // An entry: a head of ten 32-bit numbers, all little-endian, then the name of the film, the name of
-// the track, the track, the hashes of 32 bits, and the reference. A hash has 19 bits of its value, 3
-// of its rank and 10 of the frames since the one before; if those are more, steps without a hash
+// the track, the track, the hashes of 32 bits, and the reference. A hash has 19 bits of its value,
+// 3 of its rank and 10 of the frames since the one before; if those are more, steps without a hash
 // come before it.
 #include "listen/entry.h"
 

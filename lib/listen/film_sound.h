@@ -28,7 +28,7 @@ inline constexpr unsigned kRanks = 5;
 /// Hashes a second up to each rank.
 inline constexpr std::array<int, kRanks> kOfRank = { 3, 6, 12, 24, 40 };
 
-/// What is kept of a film's sound.
+/// The part of a film's sound that is kept.
 struct FilmSound
 {
   std::vector<RankedHash> hashes{};      ///< in order of their frames

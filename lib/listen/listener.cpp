@@ -32,7 +32,7 @@ constexpr double kStill = 5;    ///< of a film that goes on
 constexpr double kNear = 12;    ///< steps by which it moves at the most
 constexpr std::int64_t kWindow = steps(4);
 constexpr int kMostMisses = 6; ///< 3 s
-// The newest sound alone tells sooner that a film stopped, if it usually fits.
+// The newest sound alone shows sooner that a film stopped, if it usually fits.
 constexpr std::int64_t kShortWindow = steps(1.5);
 constexpr int kMostAbsent = 3;
 constexpr double kUsually = 0.8;
@@ -204,17 +204,17 @@ Listener::track()
   return heard(lock, found->score);
 }
 
-/// Whether the newest sound is the film's, or seldom tells.
+/// Whether the newest sound is the film's, or the newest sound seldom shows it.
 bool
 Listener::is_there(Lock &lock) const
 {
   const auto found = fit_at(lock.film, lock.rate, lock.origin, kShortWindow, kReach);
   const bool fits = found && std::abs(found->step - lock.origin) <= kSame;
-  const bool tells = lock.present >= kUsually;
-  lock.absent = fits || !tells ? 0 : lock.absent + 1;
-  if (fits || !tells) // else it is as usual up to here
+  const bool shows = lock.present >= kUsually;
+  lock.absent = fits || !shows ? 0 : lock.absent + 1;
+  if (fits || !shows) // else it is as usual up to here
     lock.present += ((fits ? 1 : 0) - lock.present) * kForgets;
-  return fits || !tells;
+  return fits || !shows;
 }
 
 Heard

@@ -13,7 +13,7 @@
 
 namespace listen {
 
-/// What is heard.
+/// A film that is heard.
 struct Heard
 {
   std::size_t film = 0; ///< of the catalogue
@@ -24,9 +24,10 @@ struct Heard
   bool begins = false;  ///< found anew: another film, or elsewhere
 };
 
-/// Hears which film plays, and where it is. While it does not know, it looks for all films, also
-/// as fast as 24 frames a second become 25, or 25 become 24; once it knows, it compares the sound with that film alone,
-/// twice a second. What it heard is dropped after 12 seconds. Reads no clock; not thread-safe.
+/// Hears which film plays, and where it is. While it does not know, it looks for all films, also as
+/// fast as 24 frames a second become 25, or 25 become 24; once it knows, it compares the sound with
+/// that film alone, twice a second. It drops the sound after 12 seconds. Reads no clock; not
+/// thread-safe.
 class Listener
 {
 public:
@@ -53,7 +54,7 @@ private:
     int absent = 0;               ///< likewise, of the newest sound alone
     double present = 0;           ///< share of looks that it fits
   };
-  /// Of a search, in steps as Lock::origin.
+  /// A place that a search found, in steps as Lock::origin.
   struct Candidate
   {
     std::size_t film = 0;
