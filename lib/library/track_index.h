@@ -26,7 +26,8 @@ struct IndexEntry
 };
 
 /// Reads an index: {"tracks": [{"file": "a.vtt", "duration": 12.5, "film": "a.mkv", "content":
-/// "0f…", "heard": "a.heard", "heard_sum": "1e…"}]}, at most 8 MiB and 100 000 tracks. The error says what was expected and where.
+/// "0f…", "heard": "a.heard", "heard_sum": "1e…"}]}, at most 8 MiB and 100 000 tracks. The
+/// error says what was expected and where.
 tl::expected<std::vector<IndexEntry>, std::string> read_index(std::string_view text);
 
 /// Writes it.
