@@ -14,7 +14,7 @@ namespace files {
 class Journal
 {
 public:
-  /// What a program keeps in its journals.
+  /// The journals of a program.
   struct Kind
   {
     std::string_view header; ///< begins the first line, such as "visuotactile desk journal 1 "

@@ -5,7 +5,7 @@
 
 #include <string>
 
-/// What pages are told, in JSON.
+/// The state of a study for its pages, in JSON.
 namespace study {
 
 /// How the film of a step is.
@@ -16,11 +16,11 @@ enum class Phase
   failed, ///< the experimenter decides
 };
 
-/// Of the participant's page; null: nobody has begun.
+/// The state for the participant's page, which names no condition; null: nobody has begun.
 std::string page_state(const Study &study, const Participant *participant, Phase phase,
                        std::int64_t at = now());
 
-/// Of the experimenter's page.
+/// The state for the experimenter's page.
 std::string overview(const Folder &folder, const Participant *active, Phase phase,
                      std::int64_t at = now());
 

@@ -47,13 +47,18 @@ latest=20
 most-dropped=1
 # A longer text may be in a file: consent-file=consent.txt, instructions-file, thanks-file.
 consent-version=1
-consent=You will see six short films, some with vibration of the chair, and answer questions about them. Your answers are stored under a number, without your name. You can stop at any time, without giving a reason, and ask for your data to be removed.
-instructions=Lean back, so that you feel the chair. Please wear the earplugs and the headset until the end. After each film, answer each question with the slider: 100 is strong agreement, 50 is neutral, 1 is the strongest disagreement.
+consent=You will see six short films, some with vibration of the chair, and )"
+         R"(answer questions about them. Your answers are stored under a number, without )"
+         R"(your name. You can stop at any time, without giving a reason, and ask for your )"
+         R"(data to be removed.
+instructions=Lean back, so that you feel the chair. Please wear the earplugs and)"
+         R"( the headset until the end. After each film, answer each question with the )"
+         R"(slider: 100 is strong agreement, 50 is neutral, 1 is the strongest disagreement.
 thanks=Thank you. Please tell the experimenter that you have finished.
 
-# For all sessions. A level may have the same entries: film, intensity, profile, people, sound, rate,
-# sensitivity, density, compensation, rows, columns, driver, device, mapping, calibration as in
-# visuotactile-play, and noise, the volume of pink noise by headphones, 0 to 1.
+# For all sessions. A level may have the same entries: film, intensity, profile, people, sound,
+# rate, sensitivity, density, compensation, rows, columns, driver, device, mapping, calibration as
+# in visuotactile-play, and noise, the volume of pink noise by headphones, 0 to 1.
 [settings]
 profile=tuned
 noise=0.3
@@ -88,8 +93,8 @@ film=films/static-motion.mkv
 label=Dynamic motion
 film=films/dynamic-motion.mkv
 
-# The paper's was a documentary of two bears in a zoo. Any film of yours will do, such as a minute of
-# a nature film under a Creative Commons license.
+# The paper's was a documentary of two bears in a zoo. Any film of yours will do, such as a minute
+# of a nature film under a Creative Commons license.
 [level film real]
 label=Real world
 film=)" + film
@@ -130,7 +135,7 @@ when=cues:with;
 text=What do you think of the whole system?
 kind=text
 # Once, after the last session. Else: after-film
-asked=at-end
+time=at-end
 
 # A second questionnaire, whose items are in a file, one a line.
 #[questionnaire HXI]

@@ -52,7 +52,7 @@ json_of(JsonObject *object, const char *name)
   return text;
 }
 
-/// What a slider or Likert scale can answer.
+/// Fails unless the question's scale has the answer.
 tl::expected<void, std::string>
 check(const Question &question, const std::string &answer)
 {

@@ -12,7 +12,7 @@
 
 namespace study {
 
-/// What a participant does at a time. Each is a page.
+/// A step of a participant: a page.
 struct Step
 {
   enum class Kind
@@ -151,7 +151,7 @@ public:
   {
     return group_;
   }
-  /// Of a session or the practice: the study's, the group's and the condition's.
+  /// The settings of a session or the practice: the study's, the group's and the condition's.
   Settings settings(int session) const;
   const std::vector<Play> &plays() const
   {
@@ -168,7 +168,7 @@ public:
   }
   /// ms until the break may end.
   std::int64_t rest_left(std::int64_t at = now()) const;
-  /// What is to be known of a session before it is used; empty: nothing.
+  /// Doubts about a session; empty: none.
   std::vector<std::string> marks(int session) const;
 
 private:

@@ -11,7 +11,7 @@
 
 #include <tl/expected.hpp>
 
-/// What a study consists of.
+/// The parts of a study.
 namespace study {
 
 /// Settings of a session by name: the film, the masking noise, and options of visuotactile-play.
@@ -50,8 +50,8 @@ struct Question
   double high = 100;
   double step = 1;
   std::vector<std::string> labels; ///< of a slider's ends, or one for each point
-  bool at_end = false;             ///< asked once, after the last session
-  Settings when;                   ///< factor → level, with which alone it is asked
+  bool at_end = false;             ///< once, after the last session
+  Settings when;                   ///< factor → level; empty: in each session
 };
 
 const char *name_of(Question::Kind kind);
@@ -83,7 +83,7 @@ struct Study
 
   std::vector<Condition> conditions() const; ///< within
   std::vector<Condition> groups() const;     ///< between
-  /// Of the conditions, which the seed has shuffled.
+  /// The square of the conditions, which the seed has shuffled.
   std::vector<Row> square() const;
   const Question *question(const std::string &name) const;
 };
@@ -97,7 +97,7 @@ tl::expected<std::string, std::string> whole_study(const std::string &text,
 
 /// The paper's study, its third film by this name.
 std::string paper_study(const std::string &film);
-/// What it found, as a table for the report.
+/// The results of the paper, as a table for the report.
 extern const char *const kPaperResults;
 /// The form of a questionnaire, without its words.
 extern const char *const kQuestionnaireForm;

@@ -53,7 +53,7 @@ constexpr Setting kSettings[] = {
 constexpr std::string_view kColumns[] = {
   "participant", "state",          "group",   "session",      "question",     "kind",
   "answer",      "text",           "time",    "response_ms",  "marks",        "plays",
-  "film_file",        "settings",       "program", "gstreamer",    "study",        "consent",
+  "film_file",   "settings",       "program", "gstreamer",    "study",        "consent",
   "trace",       "commands",       "late",    "error_p50_ms", "error_p99_ms", "error_max_ms",
   "frames",      "frames_dropped",
 };
@@ -167,7 +167,7 @@ private:
   std::string fault_;
 };
 
-/// Of factors, levels and questions: also names of columns in R.
+/// Whether factors, levels and questions may have the name.
 bool
 is_name(const std::string &name)
 {
@@ -270,22 +270,22 @@ read_questions(Reader &reader, Study &study)
   constexpr double kFar = 1e6;
   for (const std::string &name : reader.groups("question")) {
     const std::string group = "question " + name;
-    reader.expect_keys(group, { "text", "kind", "low", "high", "step", "labels", "asked", "when" });
+    reader.expect_keys(group, { "text", "kind", "low", "high", "step", "labels", "time", "when" });
     if (!is_name(name))
       reader.fail(group, "", "expected a name of letters, digits, _, - and .");
     Question question{ .name = name, .text = reader.text(group, "text") };
     const std::string kind = reader.text(group, "kind", "slider");
-    const std::string asked = reader.text(group, "asked", "after-film");
+    const std::string time = reader.text(group, "time", "after-film");
     question.kind = kind == "likert" ? Question::Kind::likert
                     : kind == "text" ? Question::Kind::text
                                      : Question::Kind::slider;
     if (kind != name_of(question.kind))
       reader.fail(group, "kind", "expected slider, likert or text, got '" + kind + "'");
     if (question.text.empty())
-      reader.fail(group, "text", "expected what is asked");
-    question.at_end = asked == "at-end";
-    if (!question.at_end && asked != "after-film")
-      reader.fail(group, "asked", "expected after-film or at-end, got '" + asked + "'");
+      reader.fail(group, "text", "expected the words of the question");
+    question.at_end = time == "at-end";
+    if (!question.at_end && time != "after-film")
+      reader.fail(group, "time", "expected after-film or at-end, got '" + time + "'");
     question.low = reader.number(group, "low", 1, -kFar, kFar);
     question.high = reader.number(group, "high", 100, -kFar, kFar);
     question.step = reader.number(group, "step", 1, 1e-3, kFar);

@@ -124,9 +124,9 @@ answer_table(const Folder &folder)
   for (const std::string &factor : factors)
     csv.field(factor);
   for (const char *name :
-       { "question",     "kind",         "answer", "text",          "time", "response_ms",
+       { "question",     "kind",         "answer", "text",          "time",      "response_ms",
          "study",        "consent",      "marks",  "plays",         "film_file", "settings",
-         "program",      "gstreamer",    "trace",  "commands",      "late", "error_p50_ms",
+         "program",      "gstreamer",    "trace",  "commands",      "late",      "error_p50_ms",
          "error_p99_ms", "error_max_ms", "frames", "frames_dropped" })
     csv.field(name);
   csv.end();

@@ -21,7 +21,7 @@ struct PlaySettings
   const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound
 };
 
-/// An encoder of films in real time, as on a launch line. Throws std::runtime_error if there is none.
+/// An encoder in real time, as on a launch line. Throws std::runtime_error if there is none.
 std::string video_encoder();
 
 /// The pipeline for gst_parse_launch(), without the names of output files, which need not be UTF-8.

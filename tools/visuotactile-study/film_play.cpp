@@ -244,10 +244,10 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   }
   noise_.reset();
+  count_frames();                                           // they are gone after PLAYING
   gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
   result_.outcome = outcome;
   result_.text = text;
-  count_frames();
   if (!is_audio_ && result_.chair.empty())
     try {
       is_simulated(chair_.get(), told_);

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-/// What the paths of docs/design/study.md answer, and the session that runs. Of the main context's
+/// The answers to a study's pages, and the session that runs. Of the main context's
 /// thread.
 class StudySite : public Site
 {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-/// The port of a file, above those that Linux gives away by itself. A page that was killed, or whose
-/// server was, has entries in storage of its origin, which the next one finds at the same port.
+/// The port of a file, above those that Linux gives away by itself. A page that was killed, or
+/// whose server was, has edits in storage of its origin, which the next one finds at the same port.
 guint16 usual_port(const std::string &file);
 
 /// Runs the main loop until SIGINT, SIGTERM or SIGHUP.
