@@ -91,6 +91,9 @@ session_json(const Participant &participant, int session)
 std::string
 page_state(const Study &study, const Participant *participant, Phase phase, std::int64_t at)
 {
+  if (participant && participant->state() != Participant::State::running
+      && participant->state() != Participant::State::done)
+    participant = nullptr; // was dropped
   const Study &of = participant ? participant->study() : study;
   std::string json
       = "{\"title\": " + write_text(of.title)

@@ -6,14 +6,17 @@
 namespace study {
 
 const char *const kPaperResults = R"csv(question,effect,statistic,value,note
-Q1,cues,"F(1,11)",
-                  39.95, p < .001 Q2, cues, "F(1,11)", 33.05, p < .001 Q3, cues, "F(1,11)", 30.87,
-                  p < .001 Q4, cues, "F(1,11)", 21.79, p < .001 Q1, film, significance, ,
-                  no effect Q2, film, significance, , no effect Q3, film, significance, ,
-                  no effect Q4, film, significance, , no effect QA, film = static, mean, 89,
-                  SE 2.68;
-matched best QA, film = real, mean, 60, SE 5.48; weakest
-QB,film=real,mean,,the lowest of the films
+Q1,cues,"F(1,11)",39.95,p < .001
+Q2,cues,"F(1,11)",33.05,p < .001
+Q3,cues,"F(1,11)",30.87,p < .001
+Q4,cues,"F(1,11)",21.79,p < .001
+Q1,film,,,no effect
+Q2,film,,,no effect
+Q3,film,,,no effect
+Q4,film,,,no effect
+QA,film=static,mean,89,SE 2.68; matched best
+QA,film=real,mean,60,SE 5.48; matched worst
+QB,film=real,,,the lowest of the films
 )csv";
 
 const char *const kQuestionnaireForm
@@ -49,7 +52,7 @@ most-dropped=1
 consent-version=1
 consent=You will see six short films, some with vibration of the chair, and )"
          R"(answer questions about them. Your answers are stored under a number, without )"
-         R"(your name. You can stop at any time, without giving a reason, and ask for your )"
+         R"(your name. You can stop at any time, without giving a reason, and have your )"
          R"(data to be removed.
 instructions=Lean back, so that you feel the chair. Please wear the earplugs and)"
          R"( the headset until the end. After each film, answer each question with the )"

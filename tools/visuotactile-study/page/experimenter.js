@@ -5,14 +5,15 @@
 const find = (id) => document.getElementById(id);
 let overview = null;
 
-async function act(name, participant) {
-  const answer = await fetch('act', { method: 'POST', body: JSON.stringify({ act: name, participant: participant ?? overview.active ?? '' }) });
+async function post(path, message) {
+  const answer = await fetch(path, { method: 'POST', body: JSON.stringify(message) });
   const body = await answer.json();
   find('trouble').textContent = body.error ?? '';
   find('trouble').hidden = answer.ok;
-  if (answer.ok)
+  if (answer.ok && body.participants)
     show(body);
 }
+const act = (name, participant) => post('act', { act: name, participant: participant ?? overview.active ?? '' });
 
 function row(cells) {
   const line = document.createElement('tr');
@@ -46,6 +47,7 @@ function show(next) {
   find('start').disabled = Boolean(running);
   find('stop').disabled = step?.phase !== 'playing';
   find('go-on').disabled = !running || step.phase !== 'failed';
+  find('again').disabled = !running || step.phase !== 'failed';
   find('drop').disabled = !running || step.phase === 'playing';
   find('sessions').tBodies[0].replaceChildren(...(next.sessions ?? []).map((one) => row([one.session || 'practice', levels(one.condition), ...timing(one)])));
   find('participants').tBodies[0].replaceChildren(...next.participants.map((one) => {
@@ -71,6 +73,7 @@ function showChair({ rows, columns, levels: values, position }) {
 
 for (const name of ['start', 'stop', 'go-on'])
   find(name).addEventListener('click', () => act(name));
+find('again').addEventListener('click', () => post('play', { step: overview.step.name }));
 find('drop').addEventListener('click', () => {
   if (confirm(`Drop ${overview.active}? The place is given to the next participant.`))
     act('drop');

@@ -90,6 +90,8 @@ const clock = (ms) => {
 let news = () => {};
 const changed = (key) => new Promise((resolve) => {
   news = (state) => { if (keyOf(state) !== key) resolve(state); };
+  // It may have changed before.
+  fetch('state').then((answer) => answer.json()).then(news, () => {});
 });
 const keyOf = (state) => `${state.participant} ${state.step?.name} ${state.step?.phase}`;
 
@@ -144,15 +146,11 @@ async function show(state) {
   }
 }
 
-let latest = null;
-const source = new EventSource('events');
-source.addEventListener('state', (event) => {
-  latest = JSON.parse(event.data);
+new EventSource('events').addEventListener('state', (event) => {
+  const latest = JSON.parse(event.data);
   news(latest);
-});
-// Another participant, or a step that was answered elsewhere: the trial that is shown is over.
-source.addEventListener('state', () => {
-  if (document.body.dataset.key && latest.participant !== document.body.dataset.participant)
+  const shown = document.body.dataset.participant;
+  if (shown && shown !== 'null' && shown !== String(latest.participant)) // who was dropped
     location.reload();
 });
 
@@ -161,7 +159,7 @@ for (;;) {
   document.title = state.title;
   document.getElementById('title').textContent = state.title;
   document.getElementById('progress').value = state.step ? state.step.done / state.step.count : 0;
-  document.body.dataset.participant = state.participant;
+  document.body.dataset.participant = String(state.participant);
   const shown = show(state);
   document.body.dataset.key = keyOf(state);
   state = await shown;
