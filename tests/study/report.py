@@ -170,7 +170,7 @@ def power_is_that_of_the_noncentral_f(parent):
     assert len(powers) > 2
     for n, power in powers.items():
         variance = 2 * 20 ** 2 * (1 - 0.4) / 3
-        expected = stats.ncf.sf(stats.f.isf(0.05, 1, n - 1), 1, n - 1, n * 10 ** 2 / variance)
+        expected = 1 - stats.ncf.cdf(stats.f.isf(0.05, 1, n - 1), 1, n - 1, n * 10 ** 2 / variance)
         assert abs(power - expected) < 4 * (expected * (1 - expected) / 4000) ** 0.5 + 0.001, (n, power, expected)
     needed = int(re.search(r"needed: (\d+) people", said).group(1))
     assert powers[needed] >= 0.8 and powers.get(needed - 1, 0) < 0.8, said
