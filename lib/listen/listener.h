@@ -50,9 +50,10 @@ private:
     double rate = 1;              ///< nominal
     double origin = 0;            ///< step of the film at step 0 of what is heard, as it was last
     std::deque<double> origins{}; ///< the last ones
-    int misses = 0;               ///< looks in turn that did not fit
-    int absent = 0;               ///< likewise, of the newest sound alone
-    double present = 0;           ///< share of looks that it fits
+    int looks = 0;
+    int misses = 0;     ///< looks in turn that did not fit
+    int absent = 0;     ///< likewise, of the newest sound alone
+    double present = 0; ///< share of looks that it fits
   };
   /// A place that a search found, in steps as Lock::origin.
   struct Candidate
@@ -76,6 +77,7 @@ private:
   bool is_sure(const Candidate &candidate);
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
+  void look_around();
   std::optional<Fit> fit_at(std::size_t film, double rate, double step, std::int64_t onsets,
                             int reach) const;
   Heard heard(const Lock &lock, double score) const;
