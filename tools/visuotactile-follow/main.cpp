@@ -114,6 +114,9 @@ read_command_line(int argc, char **argv, Options &options)
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
+  UserDefaults defaults(kProgram);
+  options.chair.fill(defaults);
+  defaults.fill("sound", options.sound);
   const auto chair = options.chair.entries();
   parse_options(argc, argv, entries, options.common,
                 { .arguments = "",
@@ -135,7 +138,7 @@ read_command_line(int argc, char **argv, Options &options)
                   .more = chair.data(),
                   .callback_data = &options,
                   .group = gst_init_get_option_group() });
-  options.chair.check();
+  options.chair.check(defaults);
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
@@ -143,6 +146,10 @@ read_command_line(int argc, char **argv, Options &options)
   if (!sync_of(options.sync_to.text("screen")))
     throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
   expect_driver(options.chair.driver.text());
+  const bool plays = !options.version && !options.list && !options.status && !options.pass_over
+                     && options.nudge == 0;
+  if (plays && !options.common.quiet)
+    defaults.print();
 }
 
 /// The socket in the user's own folder, where nobody else can put one.
