@@ -33,7 +33,7 @@ constexpr double kFilm = 50;   ///< s
 constexpr double kLength = 12; ///< s of each query
 constexpr double kLead = 1;    ///< s before, of the room's reverberation
 constexpr double kRight = 150; ///< ms
-constexpr int kPeerTitles = 100;
+constexpr int kPeerTitles = 60;
 constexpr std::size_t kBlock = 1600;
 constexpr std::array kSpeeds = { 1.0, 1.0, 1.0, 25.0 / 24, 24.0 / 25 };
 
@@ -160,8 +160,8 @@ chromaprint(const Sound &sound, int thread)
     file.write(reinterpret_cast<const char *>(&word), 2);
   }
   file.close();
-  const std::string command
-      = "fpcalc -raw -plain -format s16le -rate 16000 -channels 1 -length 0 " + path;
+  const std::string command = "fpcalc -raw -plain -format s16le -rate 16000 -channels 1 -length 0 "
+                              + path + " 2>/dev/null";
   std::vector<std::uint32_t> numbers;
   if (FILE *pipe = popen(command.c_str(), "r")) {
     unsigned number = 0;
@@ -234,7 +234,7 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
         all += queries;
         all_wrong += wrong;
         std::array<std::atomic<int>, 2> of_peer{};
-        const int peers = std::min(queries, 12);
+        const int peers = std::min(queries, 6);
         for_each_of(peers, [&](int i) {
           // It does not look for other speeds.
           const Query one = query(pool, static_cast<int>(peer.size()), 5 * i, condition);

@@ -4,7 +4,7 @@
 used is said. By ear a real mpv at PulseAudio's null sink is felt when it is by mpv's own report.
 
 Expects what follow_stage.py does, TRACK, ffmpeg and pulseaudio.
-Usage: follow_listen.py [PART ...]      of file, server, player; all by default"""
+Usage: follow_listen.py [PART ...]      of file, server and, by hand on an idle computer, player; all by default"""
 
 import functools
 import http.server
@@ -64,7 +64,7 @@ def make_film():
     assert "Known.heard" in said, said
     assert (library / "Known.heard").stat().st_size < 40_000
     heard = work / "heard.wav"
-    subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "25", str(heard)], check=True)
+    subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "20", str(heard)], check=True)
     return film, library, heard
 
 
@@ -92,7 +92,7 @@ class Listener:
 
 def expect_pulses(felt):
     """Each second one. A loaded computer may lose some, but puts none elsewhere."""
-    assert len(felt) >= 8, felt
+    assert len(felt) >= 5, felt
     phase = statistics.median((at - felt[0] + 0.5) % 1 - 0.5 for at in felt)
     off = [abs((at - felt[0] - phase + 0.5) % 1 - 0.5) for at in felt]
     assert statistics.median(off) < 0.03, off
@@ -110,7 +110,7 @@ def file():
     expect_pulses(listener.onsets())
     (library / "Torn.heard").unlink()
     # Another film.
-    other = make_sound(work / "other.wav", 6, 20)
+    other = make_sound(work / "other.wav", 6, 12)
     listener = Listener("other", f"--listen={other}", f"--tracks={library}", "--mpv=/nowhere")
     listener.end()
     assert "plays" not in listener.said(), listener.said()
