@@ -303,7 +303,7 @@ cpu(const Pool &pool, const listen::Catalogue &catalogue, int titles)
       share(pool.film(1, kFilm)), share(pool.music(5, kFilm)), titles);
 }
 
-/// Catalogues of films of two hours, with values as frequent as those of the titles.
+/// A catalog of films of two hours each, with values as frequent as those of the titles.
 void
 sizes(const Pool &pool, const listen::Catalogue &catalogue)
 {
