@@ -268,7 +268,7 @@ not_in_catalogue(const Pool &pool, const listen::Catalogue &catalogue)
     std::atomic<int> looks = 0;
     for_each_of(kMinutes, [&](int minute) {
       const auto seed = static_cast<std::uint64_t>(minute + 1000);
-      const Sound sound = kind[0] == 'o'   ? pool.film(1'000'000 + minute, 60)
+      const Sound sound = kind[0] == 'o'   ? pool.film(Pool::kOthers + minute, 60)
                           : kind[0] == 'm' ? pool.music(seed, 60)
                                            : pool.speech(seed, 60);
       listen::Listener listener(catalogue, kSoundRate);
