@@ -252,6 +252,77 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
   return meta->levels;
 }
 
+#define FREQUENCY_META "GstTactileFrequencyMeta"
+
+static void
+register_frequency_meta(void)
+{
+  static gsize is_registered = 0;
+  static const gchar *tags[] = { NULL };
+
+  if (g_once_init_enter(&is_registered)) {
+    gst_meta_register_custom(FREQUENCY_META, tags, NULL, NULL, NULL);
+    g_once_init_leave(&is_registered, 1);
+  }
+}
+
+/**
+ * gst_buffer_set_tactile_frequency:
+ * @buffer: a writable #GstBuffer with a tactile map, on a video frame or of a
+ *     stream of maps
+ * @frequency: in Hz, 1 to 1000; 0: none
+ *
+ * Sets the frequency of the vibrations of a map, for actuators that have a
+ * choice, such as shakers at a sound card.
+ *
+ * Since: 0.1
+ */
+void
+gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
+{
+  GstCustomMeta *meta;
+
+  g_return_if_fail(GST_IS_BUFFER(buffer));
+  g_return_if_fail(gst_buffer_is_writable(buffer));
+  g_return_if_fail(frequency >= 0 && frequency <= 1000);
+
+  register_frequency_meta();
+  meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
+  if (frequency == 0) {
+    if (meta != NULL)
+      gst_buffer_remove_meta(buffer, &meta->meta);
+    return;
+  }
+  if (meta == NULL)
+    meta = gst_buffer_add_custom_meta(buffer, FREQUENCY_META);
+  gst_structure_set(gst_custom_meta_get_structure(meta), "hz", G_TYPE_FLOAT, frequency, NULL);
+}
+
+/**
+ * gst_buffer_get_tactile_frequency:
+ * @buffer: a #GstBuffer
+ *
+ * Gets the frequency of the vibrations of a map.
+ *
+ * Returns: the frequency in Hz; 0: none
+ *
+ * Since: 0.1
+ */
+gfloat
+gst_buffer_get_tactile_frequency(GstBuffer *buffer)
+{
+  GstCustomMeta *meta;
+  gfloat frequency = 0;
+
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), 0);
+
+  register_frequency_meta();
+  meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
+  if (meta != NULL)
+    gst_structure_get(gst_custom_meta_get_structure(meta), "hz", G_TYPE_FLOAT, &frequency, NULL);
+  return frequency >= 1 && frequency <= 1000 ? frequency : 0;
+}
+
 /**
  * gst_tactile_meta_set_video_direction:
  * @meta: a #GstTactileMeta

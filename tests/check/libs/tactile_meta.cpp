@@ -152,6 +152,21 @@ GST_START_TEST(test_copies)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_frequency)
+{
+  GstBuffer *frame = gst_buffer_new();
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), 0);
+  gst_buffer_set_tactile_frequency(frame, 120);
+  gst_buffer_set_tactile_frequency(frame, 121);
+  GstBuffer *copy = gst_buffer_copy(frame);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(copy), 121);
+  gst_buffer_set_tactile_frequency(frame, 0);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), 0);
+  gst_buffer_unref(copy);
+  gst_buffer_unref(frame);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_transforms)
 {
   GstBuffer *source = gst_buffer_new();
@@ -362,8 +377,10 @@ tactile_meta_suite(void)
   tcase_add_test(tests, test_levels_are_clamped);
   tcase_add_test(tests, test_limits);
   tcase_add_test(tests, test_out_of_the_grid);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_one_per_buffer);
   tcase_add_test(tests, test_copies);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_transforms);
   tcase_add_test(tests, test_moved_picture);
   tcase_add_test(tests, test_two_pictures);
