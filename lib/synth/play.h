@@ -48,8 +48,8 @@ public:
   void begin(Time time);
   bool has_begun() const;
 
-  /// A map that is shown during [time, time + duration). `frequency` is of its vibrations, in Hz; 0:
-  /// those of the carriers.
+  /// A map that is shown during [time, time + duration). `frequency` is that of its vibrations in
+  /// Hz; 0: those of the carriers.
   void plan(Time time, Time duration, std::span<const float> levels, double frequency = 0);
   /// All channels to zero at `time`.
   void silence(Time time);

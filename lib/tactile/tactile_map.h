@@ -23,7 +23,7 @@ struct TactileMap
   int rows = 0;
   int columns = 0;
   std::vector<float> levels;
-  /// Of the vibrations, in Hz, for actuators that have a choice; 0: the actuator's own.
+  /// Frequency of the vibrations in Hz, for actuators that have a choice; 0: the actuator's own.
   float frequency = 0;
 
   TactileMap() = default;

@@ -15,8 +15,8 @@ namespace tactile {
 /// 0 and from end() on all levels are 0.
 ///
 /// The representation is unique: a track begins with a map at 0, a silent one by default; times
-/// increase, adjacent maps differ, silent ones have no frequency, and all times are before end(). A value type: threads may share
-/// one that none of them changes.
+/// increase, adjacent maps differ, silent ones have no frequency, and all times are before end(). A
+/// value type: threads may share one that none of them changes.
 class Track
 {
 public:

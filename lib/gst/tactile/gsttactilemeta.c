@@ -88,6 +88,69 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   return TRUE;
 }
 
+#define FREQUENCY_META "GstTactileFrequencyMeta"
+
+static void
+register_frequency_meta(void)
+{
+  static gsize is_registered = 0;
+  static const gchar *tags[] = { NULL };
+
+  if (g_once_init_enter(&is_registered)) {
+    gst_meta_register_custom(FREQUENCY_META, tags, NULL, NULL, NULL);
+    g_once_init_leave(&is_registered, 1);
+  }
+}
+
+#if GST_CHECK_VERSION(1, 24, 0)
+/* For unixfdsink and others that pass buffers to other processes: rows, columns, direction, levels,
+ * 4 bytes each, little-endian. */
+enum
+{
+  HEADER = 12
+};
+
+static gboolean
+gst_tactile_meta_serialize(const GstMeta *meta, GstByteArrayInterface *data, guint8 *version)
+{
+  const GstTactileMeta *self = (const GstTactileMeta *)meta;
+  const gsize n_levels = (gsize)self->rows * self->columns;
+  guint8 *bytes = gst_byte_array_interface_append(data, HEADER + n_levels * 4);
+
+  if (bytes == NULL)
+    return FALSE;
+  *version = 1;
+  GST_WRITE_UINT32_LE(bytes, self->rows);
+  GST_WRITE_UINT32_LE(bytes + 4, self->columns);
+  GST_WRITE_UINT32_LE(bytes + 8, ((const TactileMeta *)meta)->direction);
+  for (gsize i = 0; i < n_levels; i++)
+    GST_WRITE_FLOAT_LE(bytes + HEADER + i * 4, self->levels[i]);
+  return TRUE;
+}
+
+static GstMeta *
+gst_tactile_meta_deserialize(const GstMetaInfo *info, GstBuffer *buffer, const guint8 *data,
+                             gsize size, guint8 version)
+{
+  const guint32 rows = size >= HEADER ? GST_READ_UINT32_LE(data) : 0;
+  const guint32 columns = size >= HEADER ? GST_READ_UINT32_LE(data + 4) : 0;
+  const guint32 direction = size >= HEADER ? GST_READ_UINT32_LE(data + 8) : 0;
+  gfloat levels[GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE];
+  GstTactileMeta *self;
+
+  if (version != 1 || rows < 1 || rows > GST_TACTILE_MAX_SIDE || columns < 1
+      || columns > GST_TACTILE_MAX_SIDE || size != HEADER + (gsize)rows * columns * 4
+      || direction > GST_VIDEO_ORIENTATION_CUSTOM)
+    return NULL;
+  for (gsize i = 0; i < (gsize)rows * columns; i++)
+    levels[i] = GST_READ_FLOAT_LE(data + HEADER + i * 4);
+  self = gst_buffer_add_tactile_meta(buffer, rows, columns, levels, (gsize)rows * columns);
+  if (self != NULL)
+    gst_tactile_meta_set_video_direction(self, (GstVideoOrientationMethod)direction);
+  return (GstMeta *)self;
+}
+#endif
+
 /**
  * gst_tactile_meta_api_get_type: (skip)
  *
@@ -117,7 +180,9 @@ gst_tactile_meta_api_get_type(void)
 /**
  * gst_tactile_meta_get_info: (skip)
  *
- * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta().
+ * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta(). A
+ * process that receives maps of another one, as by `unixfdsrc`, calls it, or
+ * loads a plugin that does, before the first buffer arrives.
  *
  * Returns: the #GstMetaInfo of #GstTactileMeta
  *
@@ -129,9 +194,21 @@ gst_tactile_meta_get_info(void)
   static const GstMetaInfo *info = NULL;
 
   if (g_once_init_enter(&info)) {
+#if GST_CHECK_VERSION(1, 24, 0)
+    GstMetaInfo *own
+        = gst_meta_info_new(GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(TactileMeta));
+    own->init_func = gst_tactile_meta_init;
+    own->free_func = gst_tactile_meta_free;
+    own->transform_func = gst_tactile_meta_transform;
+    own->serialize_func = gst_tactile_meta_serialize;
+    own->deserialize_func = gst_tactile_meta_deserialize;
+    const GstMetaInfo *registered = gst_meta_info_register(own);
+#else
     const GstMetaInfo *registered = gst_meta_register(
         GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(TactileMeta), gst_tactile_meta_init,
         gst_tactile_meta_free, gst_tactile_meta_transform);
+#endif
+    register_frequency_meta();
     g_once_init_leave(&info, registered);
   }
   return info;
@@ -250,20 +327,6 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
 
   *n_levels = (gsize)meta->rows * meta->columns;
   return meta->levels;
-}
-
-#define FREQUENCY_META "GstTactileFrequencyMeta"
-
-static void
-register_frequency_meta(void)
-{
-  static gsize is_registered = 0;
-  static const gchar *tags[] = { NULL };
-
-  if (g_once_init_enter(&is_registered)) {
-    gst_meta_register_custom(FREQUENCY_META, tags, NULL, NULL, NULL);
-    g_once_init_leave(&is_registered, 1);
-  }
 }
 
 /**

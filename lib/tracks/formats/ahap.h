@@ -18,9 +18,9 @@ std::string write_ahap(const Track &track);
 /// Reads an AHAP file as one cell. An event's HapticIntensity is a level, times the pattern's
 /// HapticIntensityControl: parameters and curves, whose points are relative to the curve's time.
 /// A transient lasts 30 ms. As Core Haptics does, the reader ignores unknown keys, takes defaults
-/// for missing ones, and clamps values. HapticSharpness, plus HapticSharpnessControl, is a frequency
-/// unless all of them are 0; of events at a time the one that begins last has it. Envelopes of
-/// events and audio are ignored. Slopes become steps of 20 ms.
+/// for missing ones, and clamps values. HapticSharpness, plus HapticSharpnessControl, is a
+/// frequency unless all of them are 0; of events at a time the one that begins last has it.
+/// Envelopes of events and audio are ignored. Slopes become steps of 20 ms.
 tl::expected<Track, FormatError> read_ahap(std::string_view text,
                                            std::vector<std::string> &ignored);
 

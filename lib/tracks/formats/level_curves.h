@@ -39,8 +39,8 @@ public:
   /// [0, Track::kMaxEnd] and beyond Track::kMaxEntries changes.
   tl::expected<void, FormatError> add(std::size_t channel, std::span<const Point> points);
 
-  /// Sets the frequency from one point to another, whose `level` is one in Hz; 0: none. It is linear
-  /// between them, in steps of 20 ms. Later calls win.
+  /// Sets the frequency from one point to another, whose `level` is one in Hz; 0: none. It is
+  /// linear between them, in steps of 20 ms. Later calls win.
   tl::expected<void, FormatError> set_frequency(const Point &from, const Point &to);
 
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
