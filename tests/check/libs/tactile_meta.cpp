@@ -5,8 +5,10 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
