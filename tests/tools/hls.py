@@ -13,10 +13,11 @@ import subprocess
 import tempfile
 import threading
 
-SECONDS, SEGMENT, FRAME = 8, 1.0, 0.04
+SECONDS, SEGMENT, FRAME = 6, 1.0, 0.04
 # Cue k is felt for 0.3 s from 0.5 k + 0.1 s on, with a level that says which it is.
-CUES = {round(0.4 + 0.03 * k, 2): 0.5 * k + 0.1 for k in range(2 * SECONDS)}
+CUES = {round(0.41 + 0.03 * k, 2): 0.5 * k + 0.1 for k in range(2 * SECONDS)}
 LENGTH = 0.3
+FIRST = min(CUES)
 
 work = pathlib.Path(tempfile.mkdtemp())
 
@@ -60,7 +61,8 @@ def play(folder, handler=http.server.SimpleHTTPRequestHandler):
     with open(trace, encoding="utf-8") as file:
         for command in csv.DictReader(file):
             felt.setdefault(round(float(command["volts"]) / 3, 2), int(command["effect_ns"]) / 1e9)
-    return {value: time for value, time in felt.items() if value in CUES}, asked  # without the soft start
+    # Without the soft start, in which the first cue is felt.
+    return {value: time for value, time in felt.items() if value in CUES and value != FIRST}, asked
 
 
 track = work / "track.csv"
@@ -77,12 +79,14 @@ for segments in "mpegts", "fmp4":
     master = (film / "master.m3u8").read_text(encoding="utf-8")
     assert master.count("TYPE=SUBTITLES") == 1 and master.count(',SUBTITLES="tactile"') == 1, master
     assert master.count('DATA-ID="com.apple.hls.haptics.url",VALUE="https://example.org/film/tactile.ahap"') == 1, master
-    streams = run("ffprobe", "-v", "error", "-allowed_extensions", "ALL", "-show_entries", "stream=codec_name", "-of", "csv=p=0", film / "master.m3u8")
-    assert "webvtt" in streams, streams
+    read = run("ffprobe", "-v", "error", "-show_entries", "packet=pts_time,duration_time", "-of", "csv=p=0", film / "tactile" / "3.vtt")
+    found = [tuple(map(float, line.split(","))) for line in read.split() if line]
+    felt_then = [(begin, LENGTH) for begin in CUES.values() if 3 <= begin < 4]
+    assert all(any(abs(a - c) < 0.0015 and abs(b - d) < 0.0015 for c, d in found) for a, b in felt_then), (found, felt_then)
     again = run(os.environ["TRACK"], "diff", film / "tactile.ahap", track)
     assert again == "", again
     levels, requests = play(film)
-    assert set(levels) == set(CUES), (levels, requests)
+    assert set(levels) == set(CUES) - {FIRST}, (levels, requests)
     for value, time in levels.items():
         assert CUES[value] <= time < CUES[value] + LENGTH, (segments, value, time, CUES[value])
     assert f"/tactile/{SECONDS - 1}.vtt" in requests, requests
@@ -115,12 +119,13 @@ class Live(http.server.SimpleHTTPRequestHandler):
 show(shown)
 levels, requests = play(film, Live)
 assert requests.count("/tactile/index.m3u8") > 1, requests
-assert f"/tactile/{len(parts) - 1}.vtt" in requests, requests
+# hlsdemux2 of GStreamer 1.22 leaves the last segment out if it comes with the end of the stream.
+assert f"/tactile/{len(parts) - 2}.vtt" in requests, requests
 # A live film begins with one of its segments.
 begins = {round((CUES[value] - time) / SEGMENT) for value, time in levels.items()}
 assert len(begins) == 1, (begins, levels)
 offset = begins.pop() * SEGMENT
-expected = {value for value, begin in CUES.items() if begin >= offset + SEGMENT}
+expected = {value for value, begin in CUES.items() if offset + SEGMENT <= begin < (len(parts) - 1) * SEGMENT}
 assert expected <= set(levels), (offset, levels)
 for value, time in levels.items():
     assert -FRAME <= time + offset - CUES[value] < LENGTH, (offset, value, time)

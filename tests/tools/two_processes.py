@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Maps cross from one process to another: a film that one analyzes plays the same commands on the chair of both.
-Environment: the plugins on GST_PLUGIN_PATH_1_0"""
+"""Maps cross from one process to another by unixfdsink and unixfdsrc: the maps of a film that one process analyzes are those that
+the other one takes from the frames, and plays on its chair. Environment: the plugins on GST_PLUGIN_PATH_1_0"""
 
-import csv
 import pathlib
 import subprocess
 import tempfile
@@ -15,22 +14,21 @@ def launch(line):
     return subprocess.Popen(["gst-launch-1.0", "-q", *line.split()], cwd=work)
 
 
-def commands(name):
-    with open(work / name, encoding="utf-8") as file:
-        return [(row["effect_ns"], row["tactor"], row["volts"]) for row in csv.DictReader(file)]
+def taken(name):
+    """Takes the maps from the frames into a file."""
+    return f"tactileextractor name=x x.src ! queue ! fakesink sync=false x.tactile ! tee name=m m. ! queue ! filesink location={name}"
 
 
-CHAIR = "tactorsink driver=simulator sync=false rate=0 trace-location="
-# The queue keeps the order of both chairs independent; the receiver connects when the socket is there.
 sender = launch(f"tactiletestsrc num-buffers=100 ! video/x-raw,width=320,height=240 ! saliencytactile ! tee name=t "
-                f"t. ! queue ! {CHAIR}here.csv t. ! queue ! unixfdsink socket-path=socket sync=false wait-for-connection=true")
-while not (work / "socket").exists():
-    try:
-        raise AssertionError(f"the sender ended with {sender.wait(0.05)}")
-    except subprocess.TimeoutExpired:
-        pass
-receiver = launch(f"unixfdsrc socket-path=socket ! queue ! {CHAIR}there.csv")
-assert receiver.wait(90) == 0 and sender.wait(90) == 0
-here, there = commands("here.csv"), commands("there.csv")
-assert len(here) > 20, here
-assert here == there, (len(here), len(there), [pair for pair in zip(here, there) if pair[0] != pair[1]][:3])
+                f"t. ! queue ! unixfdsink socket-path=socket sync=false wait-for-connection=true t. ! queue ! {taken('here')}")
+while True:  # until the socket is there, and listens
+    receiver = launch(f"unixfdsrc socket-path=socket ! {taken('there')} "
+                      "m. ! queue ! tactorsink driver=simulator sync=false trace-location=commands.csv")
+    if receiver.wait(90) == 0:
+        break
+    assert sender.poll() is None, "the sender ended"
+assert sender.wait(90) == 0
+here, there = (work / "here").read_bytes(), (work / "there").read_bytes()
+assert len(here) == 100 * 9 * 4 and any(here), len(here)
+assert here == there, (len(here), len(there))
+assert len((work / "commands.csv").read_text(encoding="utf-8").splitlines()) > 10

@@ -17,6 +17,7 @@ struct PlaySettings
   bool has_trace = false;       ///< it can write its commands and has statistics: it is tactorsink
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
+  std::string track;            ///< a file of text cues that replace all other maps; empty: none
   const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound
 };
 
