@@ -14,15 +14,16 @@ def launch(line):
     return subprocess.Popen(["gst-launch-1.0", "-q", *line.split()], cwd=work)
 
 
-def taken(name):
+def taken(name, frames):
     """Takes the maps from the frames into a file."""
-    return f"tactileextractor name=x x.src ! queue ! fakesink sync=false x.tactile ! tee name=m m. ! queue ! filesink location={name}"
+    return f"tactileextractor name=x x.src ! queue ! {frames} sync=false x.tactile ! tee name=m m. ! queue ! filesink location={name}"
 
 
-sender = launch(f"tactiletestsrc num-buffers=100 ! video/x-raw,width=320,height=240 ! saliencytactile ! tee name=t "
-                f"t. ! queue ! unixfdsink socket-path=socket sync=false wait-for-connection=true t. ! queue ! {taken('here')}")
+# No tee before unixfdsink, whose frames are in memory that it proposes.
+sender = launch("tactiletestsrc num-buffers=100 ! video/x-raw,width=320,height=240 ! saliencytactile ! "
+                + taken("here", "unixfdsink socket-path=socket wait-for-connection=true"))
 while True:  # until the socket is there, and listens
-    receiver = launch(f"unixfdsrc socket-path=socket ! {taken('there')} "
+    receiver = launch(f"unixfdsrc socket-path=socket ! {taken('there', 'fakesink')} "
                       "m. ! queue ! tactorsink driver=simulator sync=false trace-location=commands.csv")
     if receiver.wait(90) == 0:
         break

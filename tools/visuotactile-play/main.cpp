@@ -398,9 +398,8 @@ run(const Options &options)
   }
 
 #ifdef HAVE_LIBRARY
-  std::optional<StoredTrack> track;
-  if (options.tracks.is_set())
-    track = StoredTrack::find(film, options.tracks.text());
+  const std::optional<StoredTrack> track
+      = options.tracks.is_set() ? StoredTrack::find(film, options.tracks.text()) : std::nullopt;
   if (track) {
     expect_elements(std::array{ "subparse", "tactileconverter", "tactilecombiner" });
     settings.track = track->path();

@@ -27,8 +27,7 @@ StoredTrack::find(const Film &film, const std::string &tracks)
     throw std::runtime_error(why);
   if (!found)
     return std::nullopt;
-  const auto start = tactile::Time(static_cast<gint64>(film.start.stream));
-  const std::string text = tactile::write_webvtt(or_throw(shift(found->track, start)));
+  const std::string text = tactile::write_webvtt(or_throw(shift(found->track, film.start.stream)));
   g_autofree gchar *name = nullptr;
   g_autoptr(GError) error = nullptr;
   const int file = g_file_open_tmp("visuotactile-XXXXXX.vtt", &name, &error);
