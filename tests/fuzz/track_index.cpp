@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Fuzzes the index of a library of tracks, which a server sends: one that is read has bounded values, and is written and read as
-// it is. Other input is refused with a reason.
+// Fuzzes the index of a library of tracks, which a server sends: one that is read has bounded
+// values, and is written and read as it is. Other input is refused with a reason.
 #include "library/track_index.h"
 #include "fuzz.h"
 

@@ -25,10 +25,9 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
       argc, argv, entries, options.common,
       { .arguments = "FILM [TRACK]",
         .summary = "Edits a track beside its film, in your browser. TRACK is WebVTT; without it, "
-                   "the one\nbeside the film. If there is none, it is that of --tracks, or a draft that is authored "
-                   "first. Each "
-                   "edit is kept on the\ndisk at once; TRACK is written when you save. Ctrl-C ends "
-                   "the desk, with all motors\nat zero.",
+                   "the one\nbeside the film. If there is none, it is that of --tracks, or a draft "
+                   "that is authored\nfirst. Each edit is kept on the disk at once; TRACK is "
+                   "written when you save. Ctrl-C ends\nthe desk, with all motors at zero.",
         .least = 1,
         .most = 2,
         .force_help = Usage::kOverwritesAnyway,
