@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs this project's dependencies on Debian or Ubuntu; prints nothing if all are installed. Elsewhere it names them.
 #
-# Usage: tools/setup.sh [--names[=RELEASE]] [build] [play] [test] [players] [quality] [fuzz] [firmware] [arm64] [kernel] [analysis] [docs] [packages]
+# Usage: tools/setup.sh [--names[=RELEASE]] [build] [play] [test] [players] [quality] [fuzz] [firmware] [arm64] [kernel] [analysis] [docs] [packages] [study]
 #   no part  the first four
 #   --names  installs nothing: prints the names on this machine's release, or on debian-12, debian-13, debian-sid, ubuntu-24.04 or fedora
 #   build    compiler, meson and the libraries that the plugins use
@@ -16,6 +16,7 @@
 #   arm64    cross compiler and emulator for the test of maps on arm64, which is skipped without them
 #   docs     gi-docgen, for the API reference
 #   packages debhelper and lintian, for tools/packages.sh
+#   study    R, which analyzes studies: 300 MB, also for the test suite
 #   kernel   a virtual machine for tests/kernel: boards on a real Linux kernel
 set -euo pipefail
 
@@ -39,6 +40,7 @@ declare -A packages=(
   [arm64]="g++-aarch64-linux-gnu qemu-user"
   [docs]="gi-docgen"
   [packages]="dpkg-dev debhelper fakeroot gi-docgen gstreamer1.0-plugins-base lintian git"
+  [study]="r-base-core r-cran-afex r-cran-emmeans"
   [kernel]="qemu-system-x86 busybox-static kmod udev"
 )
 
@@ -104,7 +106,7 @@ for argument in "$@"; do
     --names=*) fail "expected --names=debian-12, debian-13, debian-sid, ubuntu-24.04 or fedora, got '$argument'" 2 ;;
     *)
       if [ -z "$argument" ] || [ -z "${packages[$argument]:-}" ]; then
-        fail "expected build, play, test, players, quality, fuzz, firmware, arm64, kernel, analysis, docs or packages, got '$argument'; see setup.sh --help" 2
+        fail "expected build, play, test, players, quality, fuzz, firmware, arm64, kernel, analysis, docs, packages or study, got '$argument'; see setup.sh --help" 2
       fi
       parts+=("$argument")
       ;;

@@ -25,35 +25,7 @@ expected(std::string what)
   return tl::unexpected("expected " + std::move(what));
 }
 
-/// A message that is an object.
-class Message
-{
-public:
-  explicit Message(std::string_view body)
-      : parser_(g_utf8_validate(body.data(), static_cast<gssize>(body.size()), nullptr)
-                    ? json::parse(body)
-                    : nullptr)
-  {
-    JsonNode *root = parser_ ? json_parser_get_root(parser_) : nullptr;
-    object_ = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : nullptr;
-  }
-  ~Message()
-  {
-    g_clear_object(&parser_);
-  }
-  Message(const Message &) = delete;
-  Message &operator=(const Message &) = delete;
-
-  /// Null: it is no object in JSON.
-  JsonObject *object() const
-  {
-    return object_;
-  }
-
-private:
-  JsonParser *parser_;
-  JsonObject *object_;
-};
+using Message = json::ObjectText;
 
 constexpr const char *kAnObject = "a JSON object in UTF-8";
 
@@ -398,15 +370,6 @@ write_splices(const std::vector<Splice> &splices)
   g_autoptr(JsonBuilder) builder = json_builder_new_immutable();
   add_splices(builder, splices);
   return written(builder);
-}
-
-std::string
-write_text(const std::string &text)
-{
-  g_autofree gchar *valid = g_utf8_make_valid(text.data(), static_cast<gssize>(text.size()));
-  g_autoptr(JsonNode) node = json_node_init_string(json_node_alloc(), valid);
-  g_autofree gchar *quoted = json_to_string(node, FALSE);
-  return quoted;
 }
 
 } // namespace desk

@@ -4,6 +4,8 @@
 #include "desk/document.h"
 #include "desk/operation.h"
 
+#include "json/json_reader.h"
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,6 +14,8 @@
 /// Messages of pages in JSON. All input is checked; an error gives the expected input.
 /// docs/design/desk.md has the forms.
 namespace desk {
+
+using visuotactile::json::write_text;
 
 template <typename T> using Read = tl::expected<T, std::string>;
 
@@ -68,7 +72,5 @@ Read<FeelMessage> read_feel(std::string_view body);
 std::string write_cues(const std::vector<Cue> &cues);
 /// [{"at", "remove", "insert"}, …]
 std::string write_splices(const std::vector<Splice> &splices);
-/// A text with its quotes.
-std::string write_text(const std::string &text);
 
 } // namespace desk

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "desk/session.h"
 
+#include "desk/files.h"
+
+#include "files/whole_file.h"
 #include "tracks/formats/track_file.h"
 
 #include <algorithm>
@@ -14,6 +17,8 @@ namespace fs = std::filesystem;
 namespace desk {
 
 namespace {
+
+using files::Journal;
 
 std::string
 name_of(const EditMessage &message)
@@ -101,13 +106,13 @@ Session::open(const std::string &path)
     return tl::unexpected("'" + path
                           + "': expected a track in WebVTT (.vtt); make one with "
                             "tactile-track convert");
-  auto text = read_whole(real, tactile::kMaxTrackFile);
+  auto text = files::read_whole(real, tactile::kMaxTrackFile);
   if (!text)
     return tl::unexpected(text.error());
   auto document = Document::read(*text);
   if (!document)
     return tl::unexpected(std::move(document.error()).within("'" + path + "'").text());
-  auto journal = Journal::open(real + ".journal");
+  auto journal = Journal::open(real + ".journal", kJournal);
   if (!journal)
     return tl::unexpected(journal.error());
   std::unique_ptr<Session> session(
@@ -128,16 +133,16 @@ Session::restore()
       messages_.push_back("the journal is damaged; it was kept as '" + name + "'");
     });
   }
-  if (content->edits.empty())
+  if (content->entries.empty())
     return journal_.clear();
   if (content->base != text_)
     return recover(*content);
-  const std::size_t count = replay(document_, content->edits, last_);
+  const std::size_t count = replay(document_, content->entries, last_);
   revision_ = count;
   if (count > 0)
     messages_.push_back(edits(count) + " that had not been saved " + (count == 1 ? "was" : "were")
                         + " restored from the journal");
-  if (count == content->edits.size())
+  if (count == content->entries.size())
     return {};
   // The edits after a damaged line are lost for the track, but stay in a file.
   return journal_.set_aside().and_then([&](const std::string &name) {
@@ -145,7 +150,7 @@ Session::restore()
                         + "'");
     tl::expected<void, std::string> written;
     for (std::size_t i = 0; i < count && written; i++)
-      written = journal_.append(text_, content->edits[i]);
+      written = journal_.append(text_, content->entries[i]);
     return written;
   });
 }
@@ -156,10 +161,10 @@ Session::recover(const Journal::Content &content)
 {
   auto document = Document::read(content.base);
   std::string last;
-  const std::size_t count = document ? replay(*document, content.edits, last) : 0;
-  if (count == content.edits.size() && document->text() == text_)
+  const std::size_t count = document ? replay(*document, content.entries, last) : 0;
+  if (count == content.entries.size() && document->text() == text_)
     return journal_.clear();
-  if (count < content.edits.size()) {
+  if (count < content.entries.size()) {
     if (const auto name = journal_.set_aside(); name)
       messages_.push_back("the journal is damaged; it was kept as '" + *name + "'");
     else
@@ -167,7 +172,7 @@ Session::recover(const Journal::Content &content)
   }
   if (count > 0) {
     const std::string name = free_name(path_);
-    const auto written = replace_file(name, document->text());
+    const auto written = files::replace_file(name, document->text());
     if (!written)
       return tl::unexpected(written.error());
     if (!written->empty())
@@ -205,7 +210,7 @@ Session::edit(const EditMessage &message)
 tl::expected<Session::Saved, Refusal>
 Session::save(bool over)
 {
-  const auto there = read_whole(path_, tactile::kMaxTrackFile);
+  const auto there = files::read_whole(path_, tactile::kMaxTrackFile);
   if (revision_ == saved_ && there && *there == text_)
     return Saved{};
   std::string text = document_.text();
@@ -226,7 +231,7 @@ Session::save(bool over)
   auto kept = keep_version(path_, kMostVersions);
   if (!kept)
     return on_disk(kept.error());
-  const auto written = replace_file(path_, text);
+  const auto written = files::replace_file(path_, text);
   if (!written)
     return on_disk(written.error());
   if (!written->empty())

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "desk/document.h"
-#include "desk/journal.h"
 #include "desk/messages.h"
+
+#include "files/journal.h"
 
 #include <cstdint>
 #include <memory>
@@ -25,6 +26,13 @@ struct Refusal
   Kind kind = Kind::invalid;
   std::string text;
 };
+
+/// The edits of a track that are not yet saved.
+inline constexpr files::Journal::Kind kJournal
+    = { .header = "visuotactile desk journal 1 ",
+        .name = "the journal of edits",
+        .in_use = "the track is open at another desk; close that one",
+        .if_full = "save the track, which empties it" };
 
 /// A track's file that is edited: what is in memory, in the journal and in the file. Whatever is
 /// refused changes nothing. Not thread-safe.
@@ -84,14 +92,14 @@ public:
   Session &operator=(const Session &) = delete;
 
 private:
-  Session(std::string path, std::string text, Document document, Journal journal);
+  Session(std::string path, std::string text, Document document, files::Journal journal);
   tl::expected<void, std::string> restore();
-  tl::expected<void, std::string> recover(const Journal::Content &content);
+  tl::expected<void, std::string> recover(const files::Journal::Content &content);
 
   std::string path_;
   std::string text_; ///< of the file
   Document document_;
-  Journal journal_;
+  files::Journal journal_;
   std::uint64_t revision_ = 0;
   std::uint64_t saved_ = 0;
   std::string last_; ///< page and name of the last edit

@@ -184,4 +184,26 @@ text(JsonNode *node)
   return line;
 }
 
+ObjectText::ObjectText(std::string_view text)
+    : parser_(g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) ? parse(text)
+                                                                                      : nullptr)
+{
+  JsonNode *root = parser_ ? json_parser_get_root(parser_) : nullptr;
+  object_ = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : nullptr;
+}
+
+ObjectText::~ObjectText()
+{
+  g_clear_object(&parser_);
+}
+
+std::string
+write_text(const std::string &text)
+{
+  g_autofree gchar *valid = g_utf8_make_valid(text.data(), static_cast<gssize>(text.size()));
+  g_autoptr(JsonNode) node = json_node_init_string(json_node_alloc(), valid);
+  g_autofree gchar *quoted = json_to_string(node, FALSE);
+  return quoted;
+}
+
 } // namespace visuotactile::json

@@ -14,6 +14,29 @@ namespace visuotactile::json {
 /// JSON-GLib, which is recursive, would overflow the stack.
 JsonParser *parse(std::string_view text);
 
+/// A text that is a JSON object in UTF-8.
+class ObjectText
+{
+public:
+  explicit ObjectText(std::string_view text);
+  ~ObjectText();
+  ObjectText(const ObjectText &) = delete;
+  ObjectText &operator=(const ObjectText &) = delete;
+
+  /// Null: it is none.
+  JsonObject *object() const
+  {
+    return object_;
+  }
+
+private:
+  JsonParser *parser_;
+  JsonObject *object_;
+};
+
+/// A text in JSON, with its quotes.
+std::string write_text(const std::string &text);
+
 /// A member that is an object or an array; null if there is none, or of another type.
 JsonObject *object(JsonObject *of, const char *name);
 JsonArray *array(JsonObject *of, const char *name);

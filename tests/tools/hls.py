@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import threading
 
-SECONDS, SEGMENT, FRAME = 5, 1.0, 0.04
+SECONDS, SEGMENT, FRAME = 7, 1.0, 0.04
 # Cue k is felt for 0.3 s from 0.5 k + 0.1 s on, with a level that says which it is.
 CUES = {round(0.41 + 0.03 * k, 2): 0.5 * k + 0.1 for k in range(2 * SECONDS)}
 LENGTH = 0.3

@@ -3,10 +3,10 @@
 // What is only read: the page's files, film, strip, draft, exports.
 #include "routes.h"
 
-#include "film_file.h"
-#include "soup.h"
+#include "web/sent_file.h"
+#include "web/soup.h"
 
-#include "desk/files.h"
+#include "files/whole_file.h"
 #include "tracks/formats/track_file.h"
 
 #include <algorithm>
@@ -14,36 +14,9 @@
 
 namespace {
 
-using desk::write_text;
-
 constexpr std::size_t kLargestPage = std::size_t{ 8 } << 20;
 
-/// By the ending of a name; null: such files are not part of a page.
-const char *
-type_of(const std::string &name)
-{
-  constexpr const char *kTypes[][2] = {
-    { ".html", "text/html; charset=utf-8" },
-    { ".css", "text/css; charset=utf-8" },
-    { ".js", "text/javascript; charset=utf-8" },
-    { ".svg", "image/svg+xml" },
-    { ".png", "image/png" },
-    { ".txt", "text/plain; charset=utf-8" },
-  };
-  for (const auto &[ending, type] : kTypes)
-    if (name.ends_with(ending))
-      return type;
-  return nullptr;
-}
-
-/// A name without folders.
-bool
-is_plain(const std::string &name)
-{
-  return !name.starts_with('.') && std::ranges::all_of(name, [](char c) {
-    return g_ascii_isalnum(c) || c == '.' || c == '-' || c == '_';
-  });
-}
+using desk::write_text;
 
 std::string
 stem_of(const std::string &path)
@@ -52,18 +25,6 @@ stem_of(const std::string &path)
 }
 
 } // namespace
-
-void
-Routes::page(SoupServerMessage *message, const std::string &name)
-{
-  const char *type = type_of(name);
-  if (type == nullptr || !is_plain(name))
-    return answer_error(message, 404, "there is no such page");
-  const auto bytes = desk::read_whole(settings_.page + "/" + name, kLargestPage);
-  if (!bytes)
-    return answer_error(message, 404, "there is no such page");
-  ::answer(message, 200, type, *bytes);
-}
 
 void
 Routes::draft(SoupServerMessage *message, std::string_view)
@@ -156,7 +117,7 @@ void
 Routes::export_page(SoupServerMessage *message, std::string_view)
 {
   constexpr std::string_view kPlace = "@DATA@";
-  auto page = desk::read_whole(settings_.page + "/export-template.html", kLargestPage);
+  auto page = files::read_whole(settings_.page + "/export-template.html", kLargestPage);
   const std::size_t place = page ? page->find(kPlace) : std::string::npos;
   if (place == std::string::npos)
     return answer_error(message, 404, "the page has no template for exports");

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // tactile-track-desk: a track beside its film, in a browser. tactile-track runs it.
-#include "browser.h"
 #include "options.h"
-#include "server.h"
+#include "routes.h"
+#include "web/browser.h"
+#include "web/server.h"
 
 #include "../visuotactile-follow/session_watch.h"
 
-#include "desk/files.h"
 #include "film/known_driver.h"
 #include "film/or_throw.h"
 #include "library/library.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt.h"
-
-#include <glib-unix.h>
 
 #include <csignal>
 #include <cstdio>
@@ -25,15 +23,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *kProgram = "tactile-track desk";
-
-/// The port of a track, above those that Linux gives away by itself. A page that was killed, or
-/// whose desk was, has edits in storage of its origin, which the next one finds at the same port.
-guint16
-usual_port(const std::string &track)
-{
-  constexpr guint kFirst = 61000;
-  return static_cast<guint16>(kFirst + g_str_hash(track.c_str()) % (65536 - kFirst));
-}
 
 /// The track beside a film: the one that visuotactile-follow takes, too, or the name of a new one.
 /// Subtitles of the same name are left alone.
@@ -97,26 +86,6 @@ struct Unref
   }
 };
 
-/// Runs until Ctrl-C.
-void
-run_loop()
-{
-  const std::unique_ptr<GMainLoop, void (*)(GMainLoop *)> loop(g_main_loop_new(nullptr, FALSE),
-                                                               g_main_loop_unref);
-  std::vector<guint> sources;
-  for (const int number : { SIGINT, SIGTERM, SIGHUP })
-    sources.push_back(g_unix_signal_add(
-        number,
-        +[](gpointer of) -> gboolean {
-          g_main_loop_quit(static_cast<GMainLoop *>(of));
-          return G_SOURCE_CONTINUE;
-        },
-        loop.get()));
-  g_main_loop_run(loop.get());
-  for (const guint source : sources)
-    g_source_remove(source);
-}
-
 void
 run(const DeskOptions &options)
 {
@@ -154,7 +123,10 @@ run(const DeskOptions &options)
                   .driver = options.chair.driver.text(),
                   .review = options.review != FALSE },
                 *session, draft);
-  const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);
+  const Server server({ .port = static_cast<guint16>(options.port),
+                        .usual = usual_port(session->path()),
+                        .program = kProgram },
+                      routes);
   const std::unique_ptr<GDBusConnection, Unref> bus(
       g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough
   if (bus)
@@ -172,7 +144,7 @@ run(const DeskOptions &options)
                  "Ctrl-C ends the desk. Edits of '%s' that are not saved stay in its "
                  "journal.\n",
                  track.c_str());
-  run_loop();
+  run_until_signal();
 }
 
 } // namespace

@@ -2,7 +2,7 @@
 #include "proxy.h"
 
 #include "film/sound.h"
-#include "soup.h"
+#include "web/soup.h"
 
 #include <gst/app/gstappsink.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "routes.h"
 
-#include "film_file.h"
-#include "soup.h"
+#include "web/sent_file.h"
+#include "web/soup.h"
 
 #include "tactor/motor_limits.h"
 
@@ -84,12 +84,18 @@ Routes::methods(const std::string &path) const
   return found != std::end(kRoutes) ? found->methods : "GET, HEAD";
 }
 
+goffset
+Routes::largest_body(const std::string &path) const
+{
+  return path == "edits" ? goffset{ 32 } << 20 : kLargestBody;
+}
+
 void
 Routes::answer(SoupServerMessage *message, const std::string &path)
 {
   const auto *const found = std::ranges::find(kRoutes, path, &Route::path);
   if (found == std::end(kRoutes))
-    return page(message, path.empty() ? "index.html" : path);
+    return answer_page(message, settings_.page, path.empty() ? "index.html" : path);
   const SoupMessageBody *body = soup_server_message_get_request_body(message);
   (this->*found->handler)(message,
                           { body->data ? body->data : "", static_cast<std::size_t>(body->length) });

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "draft.h"
-#include "events.h"
 #include "feel.h"
 #include "proxy.h"
 #include "strip.h"
+#include "web/events.h"
 
 #include "desk/seat.h"
 #include "desk/session.h"
+#include "web/site.h"
 
 #include <libsoup/soup.h>
 
@@ -28,18 +29,17 @@ struct DeskSettings
 
 /// What the paths of docs/design/desk.md answer. Requests have been admitted. Of the main context's
 /// thread.
-class Routes
+class Routes : public Site
 {
 public:
   Routes(DeskSettings settings, desk::Session &session, DraftSettings draft);
-  ~Routes();
+  ~Routes() override;
   Routes(const Routes &) = delete;
   Routes &operator=(const Routes &) = delete;
 
-  /// The methods of a path, such as "GET, HEAD"; empty: there is no such path.
-  std::string methods(const std::string &path) const;
-
-  void answer(SoupServerMessage *message, const std::string &path);
+  std::string methods(const std::string &path) const override;
+  goffset largest_body(const std::string &path) const override;
+  void answer(SoupServerMessage *message, const std::string &path) override;
 
   /// As SessionWatch reports.
   void rest(bool rests, const std::string &why)
@@ -70,7 +70,6 @@ private:
   void cuts(SoupServerMessage *message, std::string_view body);
   void export_track(SoupServerMessage *message, std::string_view body);
   void export_page(SoupServerMessage *message, std::string_view body);
-  void page(SoupServerMessage *message, const std::string &name);
   // POST
   void edits(SoupServerMessage *message, std::string_view body);
   void save(SoupServerMessage *message, std::string_view body);

@@ -27,18 +27,6 @@ have_element(const char *name)
   return factory != nullptr;
 }
 
-std::string
-video_encoder()
-{
-  // Encoders without lookahead: the film is recorded in real time, on the chair's clock.
-  if (have_element("x264enc"))
-    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
-  if (have_element("vp9enc"))
-    return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
-  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
-                           "(gstreamer1.0-plugins-good) is installed");
-}
-
 /// Scales to an even size, which encoders need, and to one size for the whole file.
 std::string
 recorded_size(const Film &film)
@@ -60,16 +48,16 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   };
   const fusion::Profile *sound = film.has_sound ? settings.sound : nullptr;
   // videoconvert passes the formats of most films, which saliencytactile takes.
-  std::string line = film_source(film) + " film. ! " + look
-                     + " ! videoconvert ! saliencytactile name=analysis "
-                     + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
-                     + joined_sound(look, sound)
-                     + (settings.track.empty() ? "" : " ! tactilecombiner name=track mix=replace")
-                     + " ! tactileextractor name=split split.tactile ! " + look + " ! "
-                     + settings.chair + " name=chair"
-                     + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
-                     + " split.src ! " + look + " ! tactileoverlay name=overlay"
-                     + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
+  std::string line
+      = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
+        + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
+        + joined_sound(look, sound)
+        + (settings.track.empty() ? "" : " ! tactilecombiner name=track mix=replace")
+        + " ! tactileextractor name=split split.tactile ! " + look + " ! " + settings.chair
+        + " name=chair"
+        + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
+        + " split.src ! " + look + " ! " + (settings.overlay ? "tactileoverlay" : "identity")
+        + " name=overlay" + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
     line += "autovideosink";
   else if (settings.recording.empty())
@@ -90,6 +78,18 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
 }
 
 } // namespace
+
+std::string
+video_encoder()
+{
+  // Encoders without lookahead: the film is recorded in real time, on the chair's clock.
+  if (have_element("x264enc"))
+    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
+  if (have_element("vp9enc"))
+    return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
+  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
+                           "(gstreamer1.0-plugins-good) is installed");
+}
 
 std::string
 launch_line(const Film &film, const PlaySettings &settings)

@@ -15,11 +15,15 @@ struct PlaySettings
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
   std::string chair;            ///< the sink of the maps with its properties, as on a launch line
   bool has_trace = false;       ///< it can write its commands and has statistics: it is tactorsink
+  bool overlay = true;          ///< the window shows the map
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
   std::string track;            ///< a file of text cues that replace all other maps; empty: none
   const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound
 };
+
+/// An encoder in real time, as on a launch line. Throws std::runtime_error if there is none.
+std::string video_encoder();
 
 /// The pipeline for gst_parse_launch(), without the names of output files, which need not be UTF-8.
 std::string launch_line(const Film &film, const PlaySettings &settings);

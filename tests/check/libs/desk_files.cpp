@@ -4,7 +4,9 @@
 // calls are this program's own, so that they can fail.
 #include <fstream>
 
-#include "desk/journal.h"
+#include "desk/files.h"
+#include "desk/session.h"
+#include "files/whole_file.h"
 
 #include "track_samples.h"
 
@@ -24,7 +26,7 @@
 #include <gst/check/gstcheck.h>
 
 namespace fs = std::filesystem;
-using desk::Journal;
+using files::Journal;
 
 namespace {
 
@@ -78,7 +80,7 @@ public:
   }
   Journal journal() const
   {
-    auto journal = Journal::open(path("journal"));
+    auto journal = Journal::open(path("journal"), desk::kJournal);
     fail_unless(journal.has_value(), "%s", journal ? "" : journal.error().c_str());
     return *std::move(journal);
   }
@@ -145,7 +147,7 @@ GST_START_TEST(test_cleared_but_not_on_disk)
   fail_unless(journal.append("base two", "edit two").has_value());
   const auto content = journal.read();
   fail_unless(content && !content->damaged && content->base == "base two");
-  fail_unless(content->edits == std::vector<std::string>{ "edit two" });
+  fail_unless(content->entries == std::vector<std::string>{ "edit two" });
 }
 GST_END_TEST;
 
@@ -161,7 +163,7 @@ GST_START_TEST(test_lock_of_a_removed_file)
   fail_if(calls.before_lock);
   fail_unless(journal.append("base", "edit").has_value());
   fail_unless(folder.read("journal").ends_with("edit\n"));
-  fail_unless(!Journal::open(folder.path("journal")), "two desks at once");
+  fail_unless(!Journal::open(folder.path("journal"), desk::kJournal), "two desks at once");
 }
 GST_END_TEST;
 
@@ -207,7 +209,7 @@ GST_START_TEST(test_fat)
   calls.chmod = [] {
     return failing(EPERM);
   };
-  const auto written = desk::replace_file(folder.path("film.vtt"), "new");
+  const auto written = files::replace_file(folder.path("film.vtt"), "new");
   fail_unless(written && written->empty(), "%s", written ? "" : written.error().c_str());
   fail_unless(folder.read("film.vtt") == "new");
   Journal journal = folder.journal();
@@ -225,14 +227,14 @@ GST_START_TEST(test_folder_not_on_disk)
   calls.fsync = [](int descriptor) {
     return is_folder(descriptor) ? failing(EIO) : static_cast<int>(syscall(SYS_fsync, descriptor));
   };
-  const auto written = desk::replace_file(folder.path("film.vtt"), "new");
+  const auto written = files::replace_file(folder.path("film.vtt"), "new");
   fail_unless(written && !written->empty());
   fail_unless(folder.read("film.vtt") == "new");
   // Before that, nothing has changed.
   calls.fsync = [](int) {
     return failing(EIO);
   };
-  fail_unless(!desk::replace_file(folder.path("film.vtt"), "newer"));
+  fail_unless(!files::replace_file(folder.path("film.vtt"), "newer"));
   fail_unless(folder.read("film.vtt") == "new");
   fail_unless(std::distance(fs::directory_iterator(folder.path("")), {}) == 1);
 }

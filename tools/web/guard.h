@@ -11,11 +11,8 @@
 class Guard
 {
 public:
-  static constexpr goffset kLargestEdit = goffset{ 32 } << 20;
-  static constexpr goffset kLargestOther = goffset{ 64 } << 10;
-
-  /// Makes the token.
-  explicit Guard(guint16 port);
+  /// Makes the token. `program` printed the address.
+  Guard(guint16 port, std::string program);
 
   /// "http://127.0.0.1:PORT/TOKEN/"
   std::string address() const;
@@ -23,12 +20,10 @@ public:
   /// What follows the token. None: the request was refused and is answered.
   std::optional<std::string> admit(SoupServerMessage *message) const;
 
-  /// Most bytes of a body for this path.
-  static goffset largest_body(const std::string &path);
-
 private:
   bool is_ours(const std::string &host) const;
 
   guint16 port_;
   std::string token_;
+  std::string program_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "browser.h"
 
-#include "desk/files.h"
+#include "files/whole_file.h"
 
 #include <gio/gio.h>
 
@@ -21,16 +21,16 @@ std::string
 Browser::open(const std::string &address)
 {
   // Mode 600.
-  std::string file = std::string(g_get_user_runtime_dir()) + "/visuotactile-desk-XXXXXX.html";
-  const desk::File handle(mkostemps(file.data(), 5, O_CLOEXEC));
+  std::string file = std::string(g_get_user_runtime_dir()) + "/visuotactile-XXXXXX.html";
+  const files::File handle(mkostemps(file.data(), 5, O_CLOEXEC));
   if (!handle)
-    return desk::file_error(file);
+    return files::file_error(file);
   file_ = file;
-  if (!desk::write_all(handle, "<!DOCTYPE html><meta charset=utf-8><title>desk</title>"
-                               "<meta name=referrer content=no-referrer>"
-                               "<meta http-equiv=refresh content=\"0; url="
-                                   + address + "\">\n"))
-    return desk::file_error(file);
+  if (!files::write_all(handle, "<!DOCTYPE html><meta charset=utf-8><title>visuotactile</title>"
+                                "<meta name=referrer content=no-referrer>"
+                                "<meta http-equiv=refresh content=\"0; url="
+                                    + address + "\">\n"))
+    return files::file_error(file);
   g_autofree gchar *uri = g_filename_to_uri(file.c_str(), nullptr, nullptr);
   g_autoptr(GError) error = nullptr;
   if (uri != nullptr && g_app_info_launch_default_for_uri(uri, nullptr, &error))

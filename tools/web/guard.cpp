@@ -35,13 +35,10 @@ equal(const std::string &a, const std::string &b)
   return difference == 0;
 }
 
-constexpr const char *kOtherSite
-    = "expected a request of the desk's own page, got one of another site; open the address that "
-      "tactile-track desk printed";
-
 } // namespace
 
-Guard::Guard(guint16 port) : port_(port), token_(random_token())
+Guard::Guard(guint16 port, std::string program)
+    : port_(port), token_(random_token()), program_(std::move(program))
 {
 }
 
@@ -61,32 +58,30 @@ Guard::is_ours(const std::string &host) const
 std::optional<std::string>
 Guard::admit(SoupServerMessage *message) const
 {
-  const auto refuse = [&](guint status, const char *text) {
+  const std::string other_site = "expected a request of the program's own page, got one of another "
+                                 "site; open the address that "
+                                 + program_ + " printed";
+  const auto refuse = [&](guint status, const std::string &text) {
     answer_error(message, status, text);
     return std::nullopt;
   };
   if (!is_ours(header(message, "Host")))
     return refuse(403, "expected the host 127.0.0.1 or localhost in the request, got another; open "
-                       "the address that tactile-track desk printed");
+                       "the address that "
+                           + program_ + " printed");
   const std::string origin = header(message, "Origin");
   if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
-    return refuse(403, kOtherSite);
+    return refuse(403, other_site);
   const std::string path = g_uri_get_path(soup_server_message_get_uri(message));
   const std::size_t slash = path.find('/', 1);
   if (!path.starts_with('/') || slash == std::string::npos
       || !equal(path.substr(1, slash - 1), token_))
-    return refuse(404, "there is no such page; the address that tactile-track desk printed is "
-                       "complete");
+    return refuse(404,
+                  "there is no such page; the address that " + program_ + " printed is complete");
   std::string rest = path.substr(slash + 1);
   const std::string site = header(message, "Sec-Fetch-Site");
   const bool opens_page = rest.empty() && header(message, "Sec-Fetch-Mode") == "navigate";
   if (!site.empty() && site != "same-origin" && site != "none" && !opens_page)
-    return refuse(403, kOtherSite);
+    return refuse(403, other_site);
   return rest;
-}
-
-goffset
-Guard::largest_body(const std::string &path)
-{
-  return path.ends_with("/edits") ? kLargestEdit : kLargestOther;
 }

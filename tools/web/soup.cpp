@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "soup.h"
 
-#include "desk/messages.h"
+#include "files/whole_file.h"
+#include "json/json_reader.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace {
 
+constexpr const char *kPolicy
+    = "default-src 'none'; script-src 'self'; img-src 'self' blob:; media-src 'self' blob:; "
+      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
+      "style-src 'self'";
 constexpr const char *kCommon[][2] = {
-  { "Content-Security-Policy",
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
-    "media-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'" },
   { "Cache-Control", "no-store" },
   { "X-Content-Type-Options", "nosniff" },
   { "Referrer-Policy", "no-referrer" },
@@ -21,14 +23,46 @@ constexpr const char *kCommon[][2] = {
   { "Connection", "close" },
 };
 
+constexpr std::size_t kLargestPage = std::size_t{ 8 } << 20;
+
+/// By the ending of a name; null: such files are not part of a page.
+const char *
+type_of(const std::string &name)
+{
+  constexpr const char *kTypes[][2] = {
+    { ".html", "text/html; charset=utf-8" },
+    { ".css", "text/css; charset=utf-8" },
+    { ".js", "text/javascript; charset=utf-8" },
+    { ".svg", "image/svg+xml" },
+    { ".png", "image/png" },
+    { ".txt", "text/plain; charset=utf-8" },
+  };
+  for (const auto &[ending, type] : kTypes)
+    if (name.ends_with(ending))
+      return type;
+  return nullptr;
+}
+
+/// A name without folders.
+bool
+is_plain(const std::string &name)
+{
+  return !name.starts_with('.') && std::ranges::all_of(name, [](char c) {
+    return g_ascii_isalnum(c) || c == '.' || c == '-' || c == '_';
+  });
+}
+
 } // namespace
 
 void
-add_common_headers(SoupServerMessage *message)
+add_common_headers(SoupServerMessage *message, bool inline_styles)
 {
   SoupMessageHeaders *headers = soup_server_message_get_response_headers(message);
   for (const auto &[name, value] : kCommon)
     soup_message_headers_replace(headers, name, value);
+  soup_message_headers_replace(
+      headers, "Content-Security-Policy",
+      (std::string(kPolicy) + (inline_styles ? " 'unsafe-inline'" : "")).c_str());
 }
 
 void
@@ -36,6 +70,18 @@ answer(SoupServerMessage *message, guint status, const char *type, std::string_v
 {
   soup_server_message_set_status(message, status, nullptr);
   soup_server_message_set_response(message, type, SOUP_MEMORY_COPY, body.data(), body.size());
+}
+
+void
+answer_page(SoupServerMessage *message, const std::string &folder, const std::string &name)
+{
+  const char *type = type_of(name);
+  if (type == nullptr || !is_plain(name))
+    return answer_error(message, 404, "there is no such page");
+  const auto bytes = files::read_whole(folder + "/" + name, kLargestPage);
+  if (!bytes)
+    return answer_error(message, 404, "there is no such page");
+  answer(message, 200, type, *bytes);
 }
 
 void
@@ -49,7 +95,8 @@ answer_error(SoupServerMessage *message, guint status, const std::string &text,
              const std::string &more)
 {
   answer_json(message,
-              "{\"error\": " + desk::write_text(text) + (more.empty() ? "" : ", " + more) + "}",
+              "{\"error\": " + visuotactile::json::write_text(text)
+                  + (more.empty() ? "" : ", " + more) + "}",
               status);
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film_file.h"
+#include "sent_file.h"
 
 #include "soup.h"
 
-#include "desk/files.h"
+#include "files/whole_file.h"
 
 #include <algorithm>
 #include <fcntl.h>
@@ -18,7 +18,7 @@ constexpr std::size_t kPiece = 256 * 1024;
 /// What is left to send.
 struct Sending
 {
-  desk::File file;
+  files::File file;
   goffset next;
   goffset left;
 };
@@ -55,8 +55,9 @@ answer_file(SoupServerMessage *message, const std::string &path, const char *typ
   {
   };
   if (!opened || fstat(opened->descriptor(), &found) != 0)
-    return answer_error(
-        message, 404, opened ? desk::file_error(path) : "'" + path + "': " + opened.error().reason);
+    return answer_error(message, 404,
+                        opened ? files::file_error(path)
+                               : "'" + path + "': " + opened.error().reason);
   files::File file = *std::move(opened);
   SoupMessageHeaders *asked = soup_server_message_get_request_headers(message);
   SoupMessageHeaders *headers = soup_server_message_get_response_headers(message);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "desk/journal.h"
+#include "files/journal.h"
+
+#include "files/replace.h"
 
 #include <glib.h>
 
@@ -10,11 +12,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace desk {
+namespace files {
 
 namespace {
 
-constexpr std::string_view kHeader = "visuotactile desk journal 1 ";
 constexpr std::size_t kLargest = std::size_t{ 1 } << 30;
 
 bool
@@ -33,25 +34,23 @@ has_name(const File &file, const std::string &path)
 } // namespace
 
 tl::expected<Journal, std::string>
-Journal::open(const std::string &path)
+Journal::open(const std::string &path, const Kind &kind)
 {
   for (;;) {
     File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
     if (!file)
-      return tl::unexpected(
-          file_error(path)
-          + "; expected a folder that can be written to, for the journal of edits");
-    if (const auto regular = files::expect_regular(file); !regular)
-      return tl::unexpected("'" + path + "': " + regular.error().reason
-                            + "; the journal of edits needs this name");
+      return tl::unexpected(file_error(path) + "; expected a folder that can be written to, for "
+                            + kind.name);
+    if (const auto regular = expect_regular(file); !regular)
+      return tl::unexpected("'" + path + "': " + regular.error().reason + "; " + kind.name
+                            + " needs this name");
     if (flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0)
-      return tl::unexpected("'" + path
-                            + "' is in use: the track is open at another desk; close that one");
-    if (!has_name(file, path)) // the desk that had it has removed it since
+      return tl::unexpected("'" + path + "' is in use: " + kind.in_use);
+    if (!has_name(file, path)) // the process that had it has removed it since
       continue;
     if (!sync_folder(path))
       return tl::unexpected(file_error(path));
-    return Journal(std::move(file), path);
+    return Journal(std::move(file), path, kind);
   }
 }
 
@@ -71,41 +70,56 @@ Journal::read()
   const auto bytes = read_whole(file_, path_, kLargest);
   if (!bytes)
     return tl::unexpected(bytes.error());
-  std::string_view rest = *bytes;
+  return parse(*bytes, kind_, size_);
+}
+
+tl::expected<Journal::Content, std::string>
+Journal::peek(const std::string &path, const Kind &kind)
+{
+  std::size_t size = 0;
+  return read_whole(path, kLargest).map([&](const std::string &bytes) {
+    return parse(bytes, kind, size);
+  });
+}
+
+Journal::Content
+Journal::parse(std::string_view rest, const Kind &kind, std::size_t &size)
+{
+  Content content;
   for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;
        rest.remove_prefix(end + 1)) {
     std::string line(rest.substr(0, end));
-    if (size_ > 0) {
-      content.edits.push_back(std::move(line));
-    } else if (line.starts_with(kHeader)) {
+    if (size > 0) {
+      content.entries.push_back(std::move(line));
+    } else if (line.starts_with(kind.header)) {
       gsize length = 0;
-      g_autofree guchar *base = g_base64_decode(line.c_str() + kHeader.size(), &length);
+      g_autofree guchar *base = g_base64_decode(line.c_str() + kind.header.size(), &length);
       content.base.assign(reinterpret_cast<const char *>(base), length);
     } else {
       content.damaged = true;
       return content;
     }
-    size_ += end + 1;
+    size += end + 1;
   }
   // The beginning of a header is one that was never answered.
-  content.damaged = size_ == 0 && !rest.empty()
-                    && !kHeader.starts_with(rest.substr(0, kHeader.size()))
-                    && !rest.starts_with(kHeader);
+  content.damaged = size == 0 && !rest.empty()
+                    && !kind.header.starts_with(rest.substr(0, kind.header.size()))
+                    && !rest.starts_with(kind.header);
   return content;
 }
 
 tl::expected<void, std::string>
-Journal::append(std::string_view base, std::string_view edit)
+Journal::append(std::string_view base, std::string_view entry)
 {
   std::string bytes;
-  if (size_ + edit.size() + base.size() / 3 * 4 + kHeader.size() + 8 > kLargest)
-    return tl::unexpected("'" + path_ + "' is full; save the track, which empties it");
+  if (size_ + entry.size() + base.size() / 3 * 4 + kind_.header.size() + 8 > kLargest)
+    return tl::unexpected("'" + path_ + "' is full; " + kind_.if_full);
   if (size_ == 0) {
     g_autofree gchar *text
         = g_base64_encode(reinterpret_cast<const guchar *>(base.data()), base.size());
-    bytes = std::string(kHeader) + text + "\n";
+    bytes = std::string(kind_.header) + text + "\n";
   }
-  bytes.append(edit).append("\n");
+  bytes.append(entry).append("\n");
   const auto size = static_cast<off_t>(size_);
   if (ftruncate(file_.descriptor(), size) == 0 && lseek(file_.descriptor(), size, SEEK_SET) == size
       && write_all(file_, bytes) && fdatasync(file_.descriptor()) == 0) {
@@ -114,7 +128,7 @@ Journal::append(std::string_view base, std::string_view edit)
   }
   const std::string error = file_error(path_);
   if (ftruncate(file_.descriptor(), size) != 0)
-    return tl::unexpected(error + ", and what was written of the edit cannot be taken back");
+    return tl::unexpected(error + ", and what was written of the entry cannot be taken back");
   return tl::unexpected(error);
 }
 
@@ -145,7 +159,7 @@ Journal::set_aside()
       continue;
     if (rename(path_.c_str(), name.c_str()) != 0)
       return tl::unexpected(file_error(name));
-    tl::expected<Journal, std::string> fresh = open(path_);
+    tl::expected<Journal, std::string> fresh = open(path_, kind_);
     if (!fresh)
       return tl::unexpected(fresh.error());
     *this = *std::move(fresh);
@@ -153,4 +167,4 @@ Journal::set_aside()
   }
 }
 
-} // namespace desk
+} // namespace files

@@ -3,10 +3,15 @@
 
 #include "soup.h"
 
+#include <glib-unix.h>
+
+#include <csignal>
+#include <vector>
+
 namespace {
 
 /// Where on_headers() leaves what follows the token for on_request().
-constexpr const char *kPath = "desk-path";
+constexpr const char *kPath = "site-path";
 
 /// Answers at once and ends the connection, whatever else would come.
 void
@@ -51,12 +56,39 @@ watch_body(SoupServerMessage *message, goffset most)
 
 } // namespace
 
-Server::Server(guint16 port, guint16 usual, Routes &routes)
-    : routes_(routes), server_(soup_server_new("server-header", "visuotactile", nullptr))
+guint16
+usual_port(const std::string &file)
+{
+  constexpr guint kFirst = 61000;
+  return static_cast<guint16>(kFirst + g_str_hash(file.c_str()) % (65536 - kFirst));
+}
+
+void
+run_until_signal()
+{
+  const std::unique_ptr<GMainLoop, void (*)(GMainLoop *)> loop(g_main_loop_new(nullptr, FALSE),
+                                                               g_main_loop_unref);
+  std::vector<guint> sources;
+  for (const int number : { SIGINT, SIGTERM, SIGHUP })
+    sources.push_back(g_unix_signal_add(
+        number,
+        +[](gpointer of) -> gboolean {
+          g_main_loop_quit(static_cast<GMainLoop *>(of));
+          return G_SOURCE_CONTINUE;
+        },
+        loop.get()));
+  g_main_loop_run(loop.get());
+  for (const guint source : sources)
+    g_source_remove(source);
+}
+
+Server::Server(const Settings &settings, Site &site)
+    : site_(site), inline_styles_(settings.inline_styles),
+      server_(soup_server_new("server-header", "visuotactile", nullptr))
 {
   try {
-    connections_ = std::make_unique<Connections>(server_, port, usual);
-    guard_ = std::make_unique<Guard>(connections_->port());
+    connections_ = std::make_unique<Connections>(server_, settings.port, settings.usual);
+    guard_ = std::make_unique<Guard>(connections_->port(), settings.program);
   } catch (...) {
     g_object_unref(server_);
     throw;
@@ -85,17 +117,17 @@ Server::~Server()
 void
 Server::on_headers(SoupServerMessage *message)
 {
-  add_common_headers(message);
+  add_common_headers(message, inline_styles_);
   const auto path = guard_->admit(message);
   if (!path) {
     soup_message_body_set_accumulate(soup_server_message_get_request_body(message), FALSE);
-    watch_body(message, Guard::kLargestOther);
+    watch_body(message, Site::kLargestBody);
     return;
   }
   connections_->admit(message);
-  const std::string methods = routes_.methods(*path);
+  const std::string methods = site_.methods(*path);
   const std::string method = soup_server_message_get_method(message);
-  const goffset most = Guard::largest_body("/" + *path);
+  const goffset most = site_.largest_body(*path);
   const goffset length
       = soup_message_headers_get_content_length(soup_server_message_get_request_headers(message));
   if ((", " + methods + ",").find(" " + method + ",") == std::string::npos) {
@@ -118,7 +150,7 @@ Server::on_request(SoupServerMessage *message)
   if (path == nullptr || soup_server_message_get_status(message) != SOUP_STATUS_NONE)
     return;
   try {
-    routes_.answer(message, path);
+    site_.answer(message, path);
   } catch (const std::exception &error) { // the motors would stay as they are
     answer_error(message, 500, error.what());
   }

@@ -9,9 +9,11 @@
 /// What answers have in common.
 
 /// Headers that every answer has.
-void add_common_headers(SoupServerMessage *message);
+void add_common_headers(SoupServerMessage *message, bool inline_styles);
 
 void answer(SoupServerMessage *message, guint status, const char *type, std::string_view body);
+/// A file of a page's folder, by its name alone.
+void answer_page(SoupServerMessage *message, const std::string &folder, const std::string &name);
 void answer_json(SoupServerMessage *message, const std::string &json, guint status = 200);
 /// {"error": text}, and other members if `more` has any, such as "\"revision\": 7".
 void answer_error(SoupServerMessage *message, guint status, const std::string &text,

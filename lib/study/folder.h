@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "study/participant.h"
+
+#include "files/journal.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace study {
+
+/// A folder with a study's file and its data. What a function has added is on the disk when it
+/// returns. Errors are texts for the user. Not thread-safe.
+class Folder
+{
+public:
+  enum class Use
+  {
+    reads,
+    writes, ///< one process at a time
+  };
+  static tl::expected<std::unique_ptr<Folder>, std::string> open(const std::string &path, Use use);
+
+  /// Makes the folder and its files; none may be there.
+  static tl::expected<void, std::string> make(const std::string &path, const std::string &film);
+
+  const std::string &path() const
+  {
+    return path_;
+  }
+  /// The name of a file of data.
+  std::string data(const std::string &name) const;
+  /// A path of a setting, which counts from the folder.
+  std::string film(const std::string &name) const;
+
+  const Study &study() const ///< of the next participant
+  {
+    return study_;
+  }
+  const std::vector<std::unique_ptr<Participant>> &participants() const
+  {
+    return participants_;
+  }
+  Participant *find(const std::string &name) const;
+  /// The one whose session was cut off last; null: none.
+  Participant *unfinished() const;
+  std::vector<GivenPlace> given_places() const;
+
+  /// The next participant, at the next place.
+  tl::expected<Participant *, std::string> start(const std::string &program);
+  tl::expected<void, std::string> add(Participant &participant, const Event &event);
+  /// The name of the trace of the next play of a session, below the folder of data.
+  tl::expected<std::string, std::string> next_trace(const Participant &participant, int session);
+  /// Removes all that is known of a participant but the number.
+  tl::expected<void, std::string> forget(const std::string &name);
+
+private:
+  Folder(std::string path, std::string text, Study study);
+  tl::expected<void, std::string> read_participants();
+  tl::expected<files::Journal *, std::string> journal(const std::string &name);
+
+  std::string path_;
+  std::string text_; ///< of the study
+  Study study_;
+  files::File lock_;
+  std::vector<std::unique_ptr<Participant>> participants_;
+  std::map<std::string, files::Journal> journals_; ///< that were opened to write
+};
+
+} // namespace study

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "study/folder.h"
+
+#include <string>
+
+/// The state of a study for its pages, in JSON.
+namespace study {
+
+/// How the film of a step is.
+enum class Phase
+{
+  ready,
+  playing,
+  failed, ///< the experimenter decides
+};
+
+/// The state for the participant's page, which names no condition; null: nobody has begun.
+std::string page_state(const Study &study, const Participant *participant, Phase phase,
+                       std::int64_t at = now());
+
+/// The state for the experimenter's page.
+std::string overview(const Folder &folder, const Participant *active, Phase phase,
+                     std::int64_t at = now());
+
+} // namespace study

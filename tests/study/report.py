@@ -1,0 +1,213 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The report of visuotactile-study against an independent computation: two-way within analysis of variance in closed form, Greenhouse and Geisser's
+correction, means and standard errors; data made to the paper's figures; marked sessions; power. Expects STUDY in the environment.
+
+Usage: report.py [TEST ...]
+"""
+import csv
+import itertools
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy
+from scipy import stats
+from study_page import change, exported, os, run_study, tempfile
+
+CUES, FILMS = ("without", "with"), ("static", "dynamic", "real")
+
+
+def new_study(parent, *simulation):
+    """The paper's study, as `new` writes it, with simulated people and without films."""
+    folder = pathlib.Path(parent) / "study"
+    run_study("new", folder, "--length=1", "--side=64")
+    run_study("simulate", folder, *simulation)
+    return folder
+
+
+def cells(rows, question):
+    """People × cues × films."""
+    people = sorted({row["participant"] for row in rows})
+    found = {(row["participant"], row["cues"], row["film"]): float(row["answer"]) for row in rows if row["question"] == question and row["session"].isdigit()}
+    return numpy.array([[[found.get((person, cue, film), numpy.nan) for film in FILMS] for cue in CUES] for person in people])
+
+
+def helmert(k):
+    """Orthonormal contrasts."""
+    columns = []
+    for i in range(1, k):
+        column = numpy.zeros(k)
+        column[:i], column[i] = 1, -i
+        columns.append(column / numpy.linalg.norm(column))
+    return numpy.array(columns).T
+
+
+def within(data, contrasts):
+    """F, corrected degrees of freedom and p of an effect within: by the scores on its contrasts."""
+    scores = data.reshape(len(data), -1) @ contrasts
+    n, q = scores.shape
+    effect = n * (scores.mean(0) ** 2).sum() / q
+    error = ((scores - scores.mean(0)) ** 2).sum() / (q * (n - 1))
+    covariance = numpy.atleast_2d(numpy.cov(scores.T))
+    epsilon = numpy.trace(covariance) ** 2 / (q * numpy.trace(covariance @ covariance))
+    f = effect / error
+    return f, epsilon * q, epsilon * q * (n - 1), stats.f.sf(f, epsilon * q, epsilon * q * (n - 1))
+
+
+def effects(data):
+    """All effects of cues × films."""
+    of_cues, of_films = helmert(2), helmert(3)
+    mean2, mean3 = numpy.ones((2, 1)) / numpy.sqrt(2), numpy.ones((3, 1)) / numpy.sqrt(3)
+    return {"cues": within(data, numpy.kron(of_cues, mean3)), "film": within(data, numpy.kron(mean2, of_films)), "cues:film": within(data, numpy.kron(of_cues, of_films))}
+
+
+def read(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def compare(rows, report):
+    """F, degrees of freedom, p, means and errors."""
+    anova = {(row["question"], row["effect"]): row for row in read(report / "anova.csv")}
+    expected = {}
+    for question in ("Q1", "Q2", "Q3", "Q4"):
+        expected |= {(question, name): effect for name, effect in effects(cells(rows, question)).items()}
+    for question in ("QA", "QB"):
+        expected[(question, "film")] = within(cells(rows, question)[:, 1], helmert(3))
+    assert anova.keys() == expected.keys(), (anova.keys(), expected.keys())
+    for key, numbers in expected.items():
+        ours = [float(anova[key][name]) for name in ("F", "df1", "df2", "p")]
+        assert numpy.allclose(ours, numbers, rtol=1e-6, atol=1e-12), (key, ours, numbers)
+    for row in read(report / "means.csv"):
+        data = cells(rows, row["question"])[:, CUES.index(row["cues"]), FILMS.index(row["film"])]
+        assert numpy.allclose([float(row["n"]), float(row["mean"]), float(row["se"])], [len(data), data.mean(), data.std(ddof=1) / len(data) ** 0.5], rtol=1e-9), row
+    return anova
+
+
+def the_same_as_in_closed_form(parent):
+    folder = new_study(parent, "--effect=12", "--seed=3")
+    said = run_study("report", folder, f"--output={folder}/report")
+    assert "12 people analyzed" in said
+    compare(exported(folder), folder / "report")
+    page = (folder / "report/report.html").read_text(encoding="utf-8")
+    assert "39.95" in page and "data:image/png;base64,iVBOR" in page and not re.search("(src|href)=\"(?!data:)", page)
+    assert (folder / "report/report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def standard(shape, generator):
+    """Deviations of people with mean 0 and variance 1 in each column, not correlated."""
+    q, _ = numpy.linalg.qr(numpy.column_stack([numpy.ones(shape[0]), generator.normal(size=shape)]))
+    return q[:, 1:] * (shape[0] - 1) ** 0.5
+
+
+PAPER_F = {"Q1": 39.95, "Q2": 33.05, "Q3": 30.87, "Q4": 21.79}
+
+
+def paper_data(generator):
+    """Answers of 12 people with the paper's F of cues, no effect of the film (F = 1), and its means and errors of QA."""
+    n, data = 12, {}
+    for question, f in PAPER_F.items():
+        scores = standard((n, 5), generator) * 8
+        scores[:, 0] += 8 * (f / n) ** 0.5  # F = n mean² / variance
+        scores[:, 1] += 8 * (1 / n) ** 0.5
+        scores[:, 2] += 8 * (1 / n) ** 0.5
+        mean2, mean3 = numpy.ones((2, 1)) / 2 ** 0.5, numpy.ones((3, 1)) / 3 ** 0.5
+        contrasts = numpy.hstack([-numpy.kron(helmert(2), mean3), numpy.kron(mean2, helmert(3)), numpy.kron(helmert(2), helmert(3))])
+        data[question] = (60 + generator.normal(0, 5, (n, 1)) + scores @ contrasts.T).reshape(n, 2, 3)
+    for question, means, errors in (("QA", (89, 75, 60), (2.68, 4, 5.48)), ("QB", (80, 78, 60), (4, 4, 4))):
+        data[question] = numpy.full((n, 2, 3), numpy.nan)
+        data[question][:, 1] = numpy.array(means) + standard((n, 3), generator) * numpy.array(errors) * n ** 0.5
+    return data
+
+
+def the_papers_conclusions(parent):
+    folder = new_study(parent)
+    report = folder / "report"
+    run_study("report", folder, f"--output={report}")  # for dictionary and orders
+    rows, data = exported(folder), paper_data(numpy.random.default_rng(2012))
+    people = sorted({row["participant"] for row in rows})
+    for row in rows:
+        if row["session"].isdigit():
+            row["answer"] = repr(float(data[row["question"]][people.index(row["participant"]), CUES.index(row["cues"]), FILMS.index(row["film"])]))
+    with (report / "answers.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, rows[0].keys())
+        table.writeheader()
+        table.writerows(rows)
+    subprocess.run(["Rscript", "--vanilla", os.environ["VISUOTACTILE_STUDY_R"] + "/report.R", report, folder / "published.csv", "without-marked"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+    anova = compare(rows, report)
+    for question, f in PAPER_F.items():
+        assert abs(float(anova[question, "cues"]["F"]) - f) < 1e-6 and float(anova[question, "cues"]["p"]) < 0.001
+        assert float(anova[question, "film"]["p"]) > 0.05
+    assert float(anova["QA", "film"]["p"]) < 0.05 and float(anova["QB", "film"]["p"]) < 0.05
+    page = (report / "report.html").read_text(encoding="utf-8")
+    for text in ("<td>F(1,11) = 39.95 p &lt; .001</td><td>F(1, 11) = 39.95, p &lt; .001</td>", "89.00 (SE 2.68)", "60.00 (SE 5.48)"):
+        assert text in page, text
+    if pictures := os.environ.get("PICTURES"):
+        shutil.copytree(report, pictures, dirs_exist_ok=True)
+
+
+def marked_sessions_are_not_used(parent):
+    folder = new_study(parent)
+    journal = folder / "data/P05.journal"
+    text = journal.read_text()
+    assert '"step": "3/film", "outcome": "ended"' in text
+    journal.write_text(text.replace('"step": "3/film", "outcome": "ended"', '"step": "3/film", "outcome": "ended", "chair": "The tactor board is gone"'))
+    assert "marked: 3:chair" in run_study("status", folder)
+    said = run_study("report", folder, f"--output={folder}/report")
+    assert "11 people analyzed" in said and "left out, as a session is marked: P05" in said, said
+    compare([row for row in exported(folder) if row["participant"] != "P05"], folder / "report")
+    assert "12 people analyzed" in run_study("report", folder, f"--output={folder}/report", "--with-marked")
+
+
+def power_is_that_of_the_noncentral_f(parent):
+    """The printed powers, by a formula: F(1, n − 1) with noncentrality n · effect² / variance of a person's difference of means over films."""
+    folder = new_study(parent, "--people=2")
+    said = run_study("power", folder, "--effect=10", "--spread=20", "--correlation=0.4", "--studies=4000")
+    powers = {int(n): float(power) for n, power in re.findall(r"(\d+) people: power ([\d.]+)", said)}
+    assert len(powers) > 2
+    for n, power in powers.items():
+        variance = 2 * 20 ** 2 * (1 - 0.4) / 3
+        expected = 1 - stats.ncf.cdf(stats.f.isf(0.05, 1, n - 1), 1, n - 1, n * 10 ** 2 / variance)
+        assert abs(power - expected) < 4 * (expected * (1 - expected) / 4000) ** 0.5 + 0.001, (n, power, expected)
+    needed = int(re.search(r"needed: (\d+) people", said).group(1))
+    assert powers[needed] >= 0.8 and powers.get(needed - 1, 0) < 0.8, said
+
+
+def groups_of_people(parent):
+    """A factor between: F by Welch-free two-sample t of people's means, as there are two groups."""
+    folder = pathlib.Path(parent) / "study"
+    run_study("new", folder, "--length=1", "--side=64")
+    change(folder, ("label=Tactile cues\nlevels=without;with;\n# design=between: a participant has one of the levels\ndesign=within", "label=Tactile cues\nlevels=without;with;\ndesign=between"))
+    run_study("simulate", folder, "--people=14", "--effect=25")
+    run_study("report", folder, f"--output={folder}/report")
+    rows = [row for row in exported(folder) if row["session"].isdigit() and row["question"] == "Q1"]
+    means = {cue: [numpy.mean([float(row["answer"]) for row in group]) for _, group in itertools.groupby(sorted((row for row in rows if row["cues"] == cue), key=lambda row: row["participant"]), key=lambda row: row["participant"])] for cue in CUES}
+    assert [len(means[cue]) for cue in CUES] == [7, 7]
+    found = next(row for row in read(folder / "report/anova.csv") if row["question"] == "Q1" and row["effect"] == "cues")
+    t, p = stats.ttest_ind(means["with"], means["without"])
+    assert numpy.allclose([float(found["F"]), float(found["df2"]), float(found["p"])], [t ** 2, 12, p], rtol=1e-6), found
+
+
+def missing_packages_are_named(parent):
+    folder = new_study(parent, "--people=2")
+    answer = subprocess.run([os.environ["STUDY"], "report", folder], env={**os.environ, "PATH": "/nonexistent"}, capture_output=True, text=True)
+    assert answer.returncode == 1 and "r-base-core" in answer.stderr and "r-cran-afex" in answer.stderr, answer.stderr
+    # R without its packages: a script in their place that says what requireNamespace() would.
+    script = pathlib.Path(parent) / "r"
+    script.mkdir()
+    (script / "report.R").write_text("requireNamespace <- function(...) FALSE\n" + (pathlib.Path(os.environ["VISUOTACTILE_STUDY_R"]) / "report.R").read_text())
+    answer = subprocess.run([os.environ["STUDY"], "report", folder, f"--output={parent}/report"], env={**os.environ, "VISUOTACTILE_STUDY_R": str(script)}, capture_output=True, text=True)
+    assert answer.returncode == 1 and "install r-cran-afex r-cran-emmeans" in answer.stderr, answer.stderr
+
+
+TESTS = [the_same_as_in_closed_form, the_papers_conclusions, marked_sessions_are_not_used, power_is_that_of_the_noncentral_f, groups_of_people, missing_packages_are_named]
+
+if __name__ == "__main__":
+    for test in TESTS:
+        if not sys.argv[1:] or test.__name__ in sys.argv[1:]:
+            with tempfile.TemporaryDirectory(prefix="study-report-") as parent:
+                test(parent)
+            print(f"ok {test.__name__}", flush=True)

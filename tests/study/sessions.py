@@ -1,0 +1,188 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Sessions of visuotactile-study in a real Chromium with simulated participants: orders, completeness, kills at every page, films that fail.
+
+Usage: sessions.py [--people=N] [--pictures=FOLDER] [TEST ...]      N: by default 2; 12 is the paper's study
+"""
+import collections
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+
+from study_page import Person, Server, answers_of, chromium, exported, paper_study, run_study, small_study, wait_until
+from selenium.webdriver.common.by import By
+
+people = 2
+pictures = None
+
+
+def picture(driver, name):
+    if pictures:
+        driver.save_screenshot(str(pictures / f"{name}.png"))
+
+
+def volts_of(path):
+    with path.open() as trace:
+        return [float(row["volts"]) for row in csv.DictReader(trace)]
+
+
+def the_paper_study(driver):
+    """From the first page to the table: everybody answers everything once; conditions are balanced; the chair vibrates with cues alone."""
+    with paper_study() as folder, Server(folder) as server:
+        given = {}
+        for number in range(1, people + 1):
+            name = f"P{number:02}"
+            driver.get(server.address + "experimenter")
+            wait_until("the experimenter's page", lambda: driver.execute_script("return document.body.dataset.ready && !document.getElementById('start').disabled"))
+            driver.find_element(By.ID, "start").click()
+            wait_until("a participant", lambda: server.state()["participant"] == name and server.state()["step"]["name"] == "consent")
+            person = Person(driver, server, number)
+            seen = set()
+
+            def look(state):
+                kind = state["step"]["kind"] + state["step"].get("question", {}).get("kind", "")
+                if number == 1 and kind not in seen:
+                    seen.add(kind)
+                    key = f"{state['participant']} {state['step']['name']} {state['step']['phase']}"
+                    wait_until(f"the page {key}", lambda: driver.execute_script("return document.body.dataset.key === arguments[0] && document.querySelector('#stage button, #stage input')", key))
+                    picture(driver, kind)
+            person.go(before=look)
+            given[name] = person.given
+            assert len(person.given) == 4 + 6 * 4 + 3 * 2 + 1
+        wait_until("the thanks", lambda: "Thank you" in driver.find_element(By.ID, "stage").text)
+        picture(driver, "done")
+        driver.get(server.address + "experimenter")
+        wait_until("the last participant", lambda: f"{people} of 12" in driver.find_element(By.ID, "count").text)
+        picture(driver, "experimenter")
+        rows = exported(folder)
+        for name, answers in given.items():
+            assert answers_of(rows, name) == answers, name
+        assert len(rows) == people * 35
+        orders = list(csv.reader(run_study("status", "--orders", folder).splitlines()))[1:]
+        assert len(orders) == people
+        for position in range(6):
+            at = collections.Counter(order[4 + position] for order in orders)
+            assert max(at.values()) - (min(at.values()) if len(at) == 6 else 0) <= 1, at
+        after = collections.Counter((order[i], order[i + 1]) for order in orders for i in range(4, 9))
+        assert max(after.values()) <= -(-people // 6), after
+        for row in rows:
+            if row["session"] == "end":
+                continue
+            assert row["state"] == "done" and row["consent"] == "1" and row["settings"] and row["program"] and row["gstreamer"]
+            assert int(row["frames"]) + int(row["frames_dropped"]) > 0, row
+            volts = volts_of(folder / "data" / row["trace"])
+            assert len(volts) == int(row["commands"])
+            if row["cues"] == "without":
+                assert not any(volts)
+            elif row["cues"] == "with" and row["film"] != "static":
+                assert any(volts), row
+        print(f"{people} people, {len(rows)} answers, {sum('late' in row['marks'] for row in rows)} in late sessions", flush=True)
+
+
+def killed_at_every_page(driver):
+    """kill -9 at each page, before the answer and after it: the next server begins at the right step, with all answers."""
+    with small_study() as folder:
+        servers = [Server(folder)]
+        servers[-1].act("start")
+        person = Person(driver, servers[-1], 5)
+        steps = []
+
+        def kill(state):
+            steps.append(state["step"]["name"])
+            for _ in range(2 if state["step"]["kind"] == "question" else 1):
+                servers[-1].kill()
+                servers.append(Server(folder))
+                again = servers[-1].state()
+                assert again["participant"] == "P01" and again["step"]["name"] == state["step"]["name"], (again, state)
+            person.moved_to(servers[-1])
+        person.go(before=kill)
+        servers[-1].end()
+        rows = exported(folder)
+        assert answers_of(rows, "P01") == person.given and len(rows) == 4, rows
+        assert [step for step in steps if "/" not in step] == ["consent", "instructions"] and len(steps) == len(set(steps)) == 9, steps
+        assert all(row["marks"] == "" for row in rows)
+
+
+def a_film_that_is_cut_off(driver):
+    """The server is killed while a film plays; the experimenter plays it again, then stops one and skips it: both sessions are marked."""
+    with small_study(buffers=3600, rate=1) as folder:
+        server = Server(folder)
+        server.act("start")
+        person = Person(driver, server, 6)
+        person.go("1/film")
+        person.answer(server.state())
+        wait_until("the film", lambda: server.state()["step"]["phase"] == "playing")
+        server.kill()
+        server = Server(folder)
+        assert server.state()["step"]["phase"] == "failed"
+        driver.get(server.address + "experimenter")
+        wait_until("the button", lambda: driver.find_element(By.ID, "again").is_enabled())
+        driver.find_element(By.ID, "again").click()
+        wait_until("the levels of the chair", lambda: driver.find_elements(By.CSS_SELECTOR, "#chair div"))
+        picture(driver, "experimenter-film")
+        driver.find_element(By.ID, "stop").click()
+        wait_until("the end of the film", lambda: driver.find_element(By.ID, "go-on").is_enabled())
+        picture(driver, "experimenter-stopped")
+        person.moved_to(server)
+        wait_until("the page", lambda: "call the experimenter" in driver.find_element(By.ID, "stage").text)
+        server.act("go-on", "P01")
+        wait_until("the next step", lambda: server.state()["step"]["name"] == "1/Q1")
+        person.go("1/break")
+        server.end()
+        assert {row["marks"] for row in exported(folder)} == {"repeated stopped"}
+
+
+def a_participant_is_dropped(driver):
+    """The page returns to its beginning, and the next participant has the same order."""
+    with small_study() as folder, Server(folder) as server:
+        server.act("start")
+        Person(driver, server, 7).go("1/film")
+        server.act("drop", "P01")
+        wait_until("the first page", lambda: "wait until" in driver.find_element(By.ID, "stage").text)
+        server.act("start")
+        wait_until("the consent", lambda: "<at any time>" in driver.find_element(By.ID, "stage").text)
+        orders = list(csv.reader(run_study("status", "--orders", folder).splitlines()))[1:]
+        assert [order[1] for order in orders] == ["dropped", "running"] and orders[0][3:] == orders[1][3:], orders
+        assert "P01    dropped" in run_study("status", folder)
+        refused = subprocess.run([os.environ["STUDY"], "forget", folder, "P01"], capture_output=True, text=True)
+        assert refused.returncode == 1 and "is in use" in refused.stderr
+
+
+def hostile_requests(driver):
+    """Nothing without the token, nothing that is not the step, no large bodies."""
+    with small_study() as folder, Server(folder) as server:
+        assert server.get("/state").status == 404
+        assert server.get("state", headers={"Host": "evil.example"}).status == 403
+        assert server.get("../study.ini").status == 404 and server.get("vendor-../index.html").status == 404
+        assert server.post("step", {"step": "consent", "answer": "3", "response": 1}).status == 409
+        server.act("start")
+        for body in ("", "[]", "{", {"step": "consent"}, {"step": "consent", "answer": "3", "response": -1}, {"step": "consent", "answer": "3", "response": "1"}):
+            assert server.post("step", body).status == 400, body
+        for body in ({"step": "consent", "answer": "2", "response": 1}, {"step": "1/Q1", "answer": "3", "response": 1}):
+            assert server.post("step", body).status == 409, body
+        assert server.post("play", {"step": "1/film"}).status == 409
+        assert server.post("act", {"act": "explode"}).status == 400
+        assert server.post("step", "x" * 70_000).status == 413
+        assert server.get("step").status == 405
+        assert server.state()["step"]["name"] == "consent"
+
+
+TESTS = [the_paper_study, killed_at_every_page, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
+
+if __name__ == "__main__":
+    names = [word for word in sys.argv[1:] if not word.startswith("--")]
+    for word in sys.argv[1:]:
+        if word.startswith("--people="):
+            people = int(word.removeprefix("--people="))
+        if word.startswith("--pictures="):
+            pictures = pathlib.Path(word.removeprefix("--pictures="))
+    with chromium(width=1000, height=640) as browser:
+        for test in TESTS:
+            if not names or test.__name__ in names:
+                test(browser)
+                print(f"ok {test.__name__}", flush=True)
+                browser.get("about:blank")
+                for entry in browser.get_log("browser"):
+                    assert entry["level"] != "SEVERE" or "Failed to load resource" in entry["message"] or "ERR_" in entry["message"], entry

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Commands that R computes.
+#include "commands.h"
+
+#include "files/whole_file.h"
+#include "film/command_line.h"
+#include "film/or_throw.h"
+#include "film/output.h"
+#include "film/program.h"
+#include "study/folder.h"
+#include "study/table.h"
+
+#include <cstdio>
+#include <filesystem>
+
+namespace {
+
+using study::Factor;
+using study::Folder;
+
+std::string
+script(const char *name)
+{
+  const char *set = g_getenv("VISUOTACTILE_STUDY_R");
+  return std::string(set ? set : STUDY_R) + "/" + name;
+}
+
+/// Runs a script, whose lines are printed.
+int
+run_r(std::vector<std::string> arguments, bool quiet)
+{
+  arguments.insert(arguments.begin(), { "Rscript", "--vanilla" });
+  const ProgramEnd end
+      = run_program(arguments, "r-base-core; report also needs r-cran-afex and r-cran-emmeans",
+                    [quiet](std::string_view line) {
+                      if (!quiet)
+                        std::printf("%.*s\n", static_cast<int>(line.size()), line.data());
+                    });
+  if (end.status != 0)
+    throw std::runtime_error(end.complaint.empty() ? "R failed" : end.complaint);
+  return 0;
+}
+
+/// The study's factors, levels and questions for R: name, what it is, label.
+std::string
+dictionary(const study::Study &study)
+{
+  std::string text = "what\tname\tof\tlabel\n";
+  const auto add = [&text](const char *what, const std::string &name, const std::string &of,
+                           std::string label) {
+    for (char &c : label)
+      if (c == '\t' || c == '\n' || c == '"')
+        c = ' ';
+    text += std::string(what) + "\t" + name + "\t" + of + "\t" + label + "\n";
+  };
+  add("title", "", "", study.title);
+  add("values", "", "", study.description);
+  for (const Factor &factor : study.factors) {
+    add(factor.between ? "between" : "within", factor.name, "", factor.label);
+    for (const study::Level &level : factor.levels)
+      add("level", level.name, factor.name, level.label);
+  }
+  for (const study::Question &question : study.questions)
+    add("question", question.name, name_of(question.kind), question.text);
+  return text;
+}
+
+} // namespace
+
+int
+write_report(int argc, char **argv)
+{
+  CommonOptions common;
+  TextOption output{ "report" };
+  gboolean with_marked = FALSE;
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "Folder for report.html, report.pdf, figure.png and answers.csv (default: report)", "DIR" },
+    { "with-marked", 0, 0, G_OPTION_ARG_NONE, &with_marked,
+      "Also use sessions that are marked, such as late ones", nullptr },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Analyzes the answers of those who finished with R (packages r-cran-afex and "
+                   "r-cran-emmeans):\nanalysis of variance with effect sizes, comparisons of "
+                   "levels, a figure, and published.csv\nbeside. Marked sessions are left out, and "
+                   "named.",
+        .least = 1,
+        .most = 1 });
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
+  prepare_directory(output.text());
+  const std::string to = output.text() + "/";
+  for (const auto &[name, text] : { std::pair{ "answers.csv", study::answer_table(*folder) },
+                                    std::pair{ "orders.csv", study::order_table(*folder) },
+                                    std::pair{ "dictionary.tsv", dictionary(folder->study()) } })
+    or_throw(files::replace_file(to + name, text));
+  run_r({ script("report.R"), output.text(), folder->path() + "/published.csv",
+          with_marked ? "with-marked" : "without-marked" },
+        common.quiet);
+  if (!common.quiet)
+    std::printf("written: %sreport.html, %sreport.pdf\n", to.c_str(), to.c_str());
+  return 0;
+}
+
+int
+compute_power(int argc, char **argv)
+{
+  CommonOptions common;
+  TextOption factor;
+  gdouble effect = 15;
+  gdouble spread = 15;
+  gdouble correlation = 0.5;
+  gdouble power = 0.8;
+  gint studies = 1000;
+  gint seed = 1;
+  const GOptionEntry entries[] = {
+    { "factor", 0, 0, G_OPTION_ARG_STRING, &factor.value,
+      "The factor that has an effect (default: the first)", "NAME" },
+    { "effect", 0, 0, G_OPTION_ARG_DOUBLE, &effect,
+      "Difference between its last and its first level (default: 15)", "POINTS" },
+    { "spread", 0, 0, G_OPTION_ARG_DOUBLE, &spread,
+      "Standard deviation of ratings in a condition (default: 15)", "POINTS" },
+    { "correlation", 0, 0, G_OPTION_ARG_DOUBLE, &correlation,
+      "Of a participant's ratings in two conditions, 0 to 0.99 (default: 0.5)", "R" },
+    { "power", 0, 0, G_OPTION_ARG_DOUBLE, &power,
+      "Wanted chance to find the effect, 0.05 to 0.99 (default: 0.8)", "CHANCE" },
+    { "studies", 0, 0, G_OPTION_ARG_INT, &studies,
+      "Simulated studies for each number of people, 100 to 100000 (default: 1000)", "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Of the simulation (default: 1)", "N" },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Computes how many people a study needs to find an effect at the 5 % level, by "
+                   "simulated\nstudies with R (package r-base-core).",
+        .least = 1,
+        .most = 1,
+        .force_help = Usage::kWritesNothing });
+  if (!(spread > 0))
+    throw UsageError("--spread is a number above 0");
+  if (!(correlation >= 0 && correlation <= 0.99))
+    throw UsageError("--correlation is a number from 0 to 0.99");
+  if (!(power >= 0.05 && power <= 0.99))
+    throw UsageError("--power is a number from 0.05 to 0.99");
+  if (studies < 100 || studies > 100000)
+    throw UsageError("--studies is a whole number from 100 to 100000");
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
+  std::vector<std::string> words{ script("power.R") };
+  for (const double number : { effect, spread, correlation, power })
+    words.push_back(study::write_number(number));
+  words.push_back(std::to_string(studies));
+  words.push_back(std::to_string(seed));
+  const auto &factors = folder->study().factors;
+  const std::string wanted = factor.text(factors.empty() ? "" : factors.front().name.c_str());
+  bool is_known = false;
+  for (const Factor &one : factors) {
+    is_known = is_known || one.name == wanted;
+    words.push_back(one.name + ":" + std::to_string(one.levels.size()) + ":"
+                    + (one.between ? "between" : "within") + ":"
+                    + (one.name == wanted ? "effect" : "none"));
+  }
+  if (!is_known)
+    throw UsageError("expected --factor=NAME, a factor of the study, got '" + wanted + "'");
+  return run_r(words, common.quiet);
+}

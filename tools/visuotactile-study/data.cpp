@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Commands that read and write the data.
+#include "commands.h"
+
+#include "files/whole_file.h"
+#include "film/command_line.h"
+#include "film/or_throw.h"
+#include "study/folder.h"
+#include "study/simulation.h"
+#include "study/table.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+
+namespace {
+
+using study::Folder;
+using study::Participant;
+using study::Step;
+
+std::string
+marks_of(const Participant &participant)
+{
+  std::string text;
+  for (int session = 1; session <= participant.sessions(); session++)
+    for (const std::string &mark : participant.marks(session))
+      text += " " + std::to_string(session) + ":" + mark;
+  return text;
+}
+
+void
+write_text_file(const std::string &path, const std::string &text)
+{
+  const std::string warning = or_throw(files::replace_file(path, text));
+  if (!warning.empty())
+    print_error("visuotactile-study", warning);
+}
+
+} // namespace
+
+int
+print_status(int argc, char **argv)
+{
+  CommonOptions common;
+  gboolean orders = FALSE;
+  const GOptionEntry entries[] = {
+    { "orders", 0, 0, G_OPTION_ARG_NONE, &orders, "Print the order of conditions, as CSV",
+      nullptr },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Prints each participant with place, state, and sessions that are marked: "
+                   "repeated, late,\ndropped-frames, chair (what the chair reported), stopped, "
+                   "failed, interrupted.",
+        .least = 1,
+        .most = 1,
+        .force_help = Usage::kWritesNothing });
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
+  if (orders) {
+    std::fputs(study::order_table(*folder).c_str(), stdout);
+    return 0;
+  }
+  unsigned done = 0;
+  std::string other_studies;
+  for (const auto &one : folder->participants()) {
+    done += one->state() == Participant::State::done ? 1 : 0;
+    std::printf("%-6s %-9s group %zu row %2zu  %zu of %zu steps%s%s\n", one->name().c_str(),
+                name_of(one->state()), one->place().group + 1, one->place().row + 1,
+                one->steps_done(), one->steps().size() - 1,
+                marks_of(*one).empty() ? "" : "  marked:", marks_of(*one).c_str());
+    if (one->study_sum() != folder->participants().front()->study_sum())
+      other_studies += " " + one->name();
+  }
+  std::printf("%u of %u people have finished\n", done, folder->study().people);
+  if (!other_studies.empty())
+    std::printf("study.ini was changed between participants; with another one than the first:%s\n",
+                other_studies.c_str());
+  return 0;
+}
+
+int
+export_table(int argc, char **argv)
+{
+  CommonOptions common;
+  TextOption output{ "answers.csv" };
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "The file (default: answers.csv)",
+      "FILE" },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Writes all answers as CSV, a row each, with participant, levels, settings, "
+                   "versions,\ncommand trace, timing error and marks of its session.",
+        .least = 1,
+        .most = 1 });
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
+  write_text_file(output.text(), study::answer_table(*folder));
+  if (!common.quiet)
+    std::printf("written: %s\n", output.text().c_str());
+  return 0;
+}
+
+int
+simulate(int argc, char **argv)
+{
+  CommonOptions common;
+  gint people = 0;
+  gint seed = 1;
+  gdouble effect = 15;
+  gdouble spread = 15;
+  TextOption factor;
+  const GOptionEntry entries[] = {
+    { "people", 0, 0, G_OPTION_ARG_INT, &people, "How many (default: the study's)", "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Of their answers (default: 1)", "N" },
+    { "factor", 0, 0, G_OPTION_ARG_STRING, &factor.value,
+      "The factor that has an effect (default: the first)", "NAME" },
+    { "effect", 0, 0, G_OPTION_ARG_DOUBLE, &effect,
+      "Difference between its last and its first level (default: 15)", "POINTS" },
+    { "spread", 0, 0, G_OPTION_ARG_DOUBLE, &spread,
+      "Standard deviation of an answer, and of people (default: 15)", "POINTS" },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Writes the data of simulated participants to a study that has none, to try "
+                   "export and\nreport before the first real one. No film is played.",
+        .least = 1,
+        .most = 1,
+        .force_help = "No effect: data are never replaced" });
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::writes));
+  if (!folder->participants().empty())
+    throw std::runtime_error("'" + arguments[0]
+                             + "' has data; expected a study without participants");
+  if (people < 0 || people > 1000)
+    throw UsageError("--people is a whole number from 1 to 1000");
+  study::Simulation simulation{ .seed = static_cast<std::uint64_t>(seed),
+                                .factor = factor.text(),
+                                .effect = effect,
+                                .spread = spread };
+  const auto count = people > 0 ? static_cast<unsigned>(people) : folder->study().people;
+  for (unsigned i = 0; i < count; i++)
+    or_throw(study::simulate_participant(*folder, simulation));
+  if (!common.quiet)
+    std::printf("written: %u participants in %s\n", count, folder->data("").c_str());
+  return 0;
+}
+
+int
+forget(int argc, char **argv)
+{
+  CommonOptions common;
+  const GOptionEntry none[] = { {} };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, none, common,
+      { .arguments = "FOLDER PARTICIPANT",
+        .summary = "Removes all answers and command traces of a participant, such as P03, whose "
+                   "place is\ngiven again. Files of earlier exports and reports still have them.",
+        .least = 2,
+        .most = 2,
+        .force_help = "No effect: it is always done at once" });
+  const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::writes));
+  or_throw(folder->forget(arguments[1]));
+  if (!common.quiet)
+    std::printf("%s is forgotten; remove exports and reports that were written before\n",
+                arguments[1].c_str());
+  return 0;
+}

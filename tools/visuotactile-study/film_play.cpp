@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "film_play.h"
+
+#include "../visuotactile-play/display.h"
+#include "../visuotactile-play/launch_line.h"
+
+#include "film/device_list.h"
+#include "film/frame_times.h"
+#include "film/known_driver.h"
+
+#include <initializer_list>
+#include <stdexcept>
+
+namespace {
+
+using Outcome = study::Play::Outcome;
+
+std::string
+setting(const study::Settings &settings, const char *name, const char *otherwise = "")
+{
+  const auto found = settings.find(name);
+  return found == settings.end() ? otherwise : found->second;
+}
+
+/// " name=value" for each that is set.
+std::string
+properties(const study::Settings &settings, std::initializer_list<const char *> names)
+{
+  std::string line;
+  for (const char *name : names)
+    if (const auto found = settings.find(name); found != settings.end())
+      line += std::string(" ") + name + "=" + launch_value(found->second);
+  return line;
+}
+
+/// The sink of the maps, as on a launch line.
+std::string
+chair_line(const study::Settings &settings)
+{
+  const std::string driver = setting(settings, "driver", "auto");
+  const std::string device = setting(settings, "device");
+  const std::string shared
+      = properties(settings, { "intensity", "rate", "mapping", "calibration" });
+  if (driver == kAudio)
+    return "tactoraudiosink" + shared
+           + (device.empty() ? "" : " audio-sink=" + launch_value(audio_sink(device)));
+  return "tactorsink" + shared + properties(settings, { "driver", "device", "compensation" });
+}
+
+PlaySettings
+play_settings(const FilmPlay::Order &order)
+{
+  PlaySettings settings;
+  settings.window = order.window;
+  settings.overlay = false;
+  settings.quiet = true;
+  settings.has_trace = true;
+  settings.commands = order.trace;
+  settings.analysis_options = properties(
+      order.settings, { "profile", "people", "rows", "columns", "sensitivity", "density" });
+  settings.chair = chair_line(order.settings);
+  settings.sound = sound_profile(setting(order.settings, "sound", "off"));
+  return settings;
+}
+
+} // namespace
+
+FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> ended)
+    : ended_(std::move(ended)), trace_(order.trace),
+      is_audio_(setting(order.settings, "driver") == kAudio),
+      intensity_(static_cast<float>(
+          g_ascii_strtod(setting(order.settings, "intensity", "1").c_str(), nullptr)))
+{
+  const Film film = discover_film(order.film);
+  pipeline_ = make_pipeline(launch_line(film, play_settings(order)));
+  let_times_advance(
+      Owned<GstPad>(gst_element_get_static_pad(element(pipeline_, "analysis").get(), "sink"))
+          .get());
+  chair_ = element(pipeline_, "chair");
+  g_object_set(chair_.get(), "trace-location", trace_.c_str(), nullptr);
+  if (film.has_sound)
+    g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
+                     G_CALLBACK(+[](GstElement *, gpointer pipeline) {
+                       end_missing_sound(static_cast<GstElement *>(pipeline));
+                     }),
+                     pipeline_.get());
+  gst_pad_add_probe(
+      Owned<GstPad>(gst_element_get_static_pad(chair_.get(), "sink")).get(),
+      GST_PAD_PROBE_TYPE_BUFFER,
+      +[](GstPad *pad, GstPadProbeInfo *info, gpointer self) {
+        static_cast<FilmPlay *>(self)->on_map(pad, GST_PAD_PROBE_INFO_BUFFER(info));
+        return GST_PAD_PROBE_OK;
+      },
+      this, nullptr);
+  const double noise = g_ascii_strtod(setting(order.settings, "noise", "0").c_str(), nullptr);
+  if (noise > 0 && order.window) {
+    noise_ = make_pipeline("audiotestsrc wave=pink-noise volume=" + study::write_number(noise)
+                           + " ! audioconvert ! audioresample ! autoaudiosink");
+    gst_element_set_state(noise_.get(), GST_STATE_PLAYING);
+  }
+  const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+    throw std::runtime_error(start_error(bus.get()));
+  watch_ = gst_bus_add_watch(
+      bus.get(),
+      +[](GstBus *, GstMessage *message, gpointer self) {
+        return static_cast<FilmPlay *>(self)->on_message(message);
+      },
+      this);
+}
+
+FilmPlay::~FilmPlay()
+{
+  if (watch_ != 0)
+    g_source_remove(watch_);
+  if (pipeline_) // before the probe's object is gone
+    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+}
+
+void
+FilmPlay::stop(const std::string &why)
+{
+  if (watch_ != 0)
+    g_source_remove(watch_);
+  end(Outcome::stopped, why);
+}
+
+ChairLevels
+FilmPlay::levels() const
+{
+  const std::lock_guard lock(mutex_);
+  return levels_;
+}
+
+/// In a streaming thread.
+void
+FilmPlay::on_map(GstPad *pad, GstBuffer *map)
+{
+  GstCaps *current = gst_pad_get_current_caps(pad);
+  gint rows = 0;
+  gint columns = 0;
+  const GstStructure *structure = current ? gst_caps_get_structure(current, 0) : nullptr;
+  const bool is_map = structure && gst_structure_get_int(structure, "rows", &rows)
+                      && gst_structure_get_int(structure, "columns", &columns);
+  if (current)
+    gst_caps_unref(current);
+  if (!is_map)
+    return;
+  std::vector<float> levels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  const gsize size = levels.size() * sizeof(float);
+  if (gst_buffer_extract(map, 0, levels.data(), size) != size)
+    return; // a gap
+  for (float &level : levels)
+    level *= intensity_;
+  const std::lock_guard lock(mutex_);
+  levels_ = { .rows = static_cast<unsigned>(rows),
+              .columns = static_cast<unsigned>(columns),
+              .levels = std::move(levels),
+              .position = static_cast<double>(GST_BUFFER_PTS(map)) / GST_SECOND };
+}
+
+gboolean
+FilmPlay::on_message(GstMessage *message)
+{
+  const bool of_chair
+      = GST_MESSAGE_SRC(message) == GST_OBJECT(chair_.get())
+        || gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(chair_.get()));
+  g_autoptr(GError) error = nullptr;
+  switch (GST_MESSAGE_TYPE(message)) {
+  case GST_MESSAGE_EOS:
+    watch_ = 0;
+    end(Outcome::ended, "");
+    return G_SOURCE_REMOVE;
+  case GST_MESSAGE_ERROR:
+    gst_message_parse_error(message, &error, nullptr);
+    watch_ = 0;
+    if (of_chair)
+      result_.chair = error->message;
+    end(Outcome::failed, error->message);
+    return G_SOURCE_REMOVE;
+  case GST_MESSAGE_WARNING:
+    gst_message_parse_warning(message, &error, nullptr);
+    if (of_chair)
+      result_.chair = error->message;
+    break;
+  case GST_MESSAGE_INFO:
+    gst_message_parse_info(message, &error, nullptr);
+    if (of_chair)
+      told_ = error->message;
+    break;
+  case GST_MESSAGE_LATENCY:
+    gst_bin_recalculate_latency(GST_BIN(pipeline_.get()));
+    break;
+  default:
+    break;
+  }
+  return G_SOURCE_CONTINUE;
+}
+
+/// By the sink of the picture.
+void
+FilmPlay::count_frames()
+{
+  GstIterator *sinks = gst_bin_iterate_sinks(GST_BIN(pipeline_.get()));
+  GValue item = G_VALUE_INIT;
+  while (gst_iterator_next(sinks, &item) == GST_ITERATOR_OK) {
+    auto *sink = GST_ELEMENT(g_value_get_object(&item));
+    const Owned<GstPad> pad(gst_element_get_static_pad(sink, "sink"));
+    GstCaps *caps = pad && sink != chair_.get() ? gst_pad_get_current_caps(pad.get()) : nullptr;
+    const bool is_picture
+        = caps
+          && g_str_has_prefix(gst_structure_get_name(gst_caps_get_structure(caps, 0)), "video");
+    if (caps)
+      gst_caps_unref(caps);
+    if (is_picture) {
+      GstElement *base = sink;
+      while (GST_IS_BIN(base) && GST_BIN_CHILDREN(base))
+        base = GST_ELEMENT(GST_BIN_CHILDREN(base)->data);
+      g_autoptr(GstStructure) stats = nullptr;
+      if (g_object_class_find_property(G_OBJECT_GET_CLASS(base), "stats"))
+        g_object_get(base, "stats", &stats, nullptr);
+      guint64 rendered = 0;
+      guint64 dropped = 0;
+      if (stats && gst_structure_get_uint64(stats, "rendered", &rendered)
+          && gst_structure_get_uint64(stats, "dropped", &dropped)) {
+        result_.frames = static_cast<std::int64_t>(rendered);
+        result_.frames_dropped = static_cast<std::int64_t>(dropped);
+      }
+    }
+    g_value_unset(&item);
+  }
+  gst_iterator_free(sinks);
+}
+
+void
+FilmPlay::end(Outcome outcome, const std::string &text)
+{
+  watch_ = 0;
+  if (noise_) {
+    const Owned<GstBus> bus(gst_element_get_bus(noise_.get()));
+    if (GstMessage *error = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
+      result_.chair = "the masking noise could not be played";
+      gst_message_unref(error);
+    }
+  }
+  noise_.reset();
+  count_frames();                                           // they are gone after PLAYING
+  gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
+  result_.outcome = outcome;
+  result_.text = text;
+  if (!is_audio_ && result_.chair.empty())
+    try {
+      is_simulated(chair_.get(), told_);
+    } catch (const std::runtime_error &error) {
+      result_.chair = error.what();
+    }
+  gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  if (motors_may_run(chair_.get()))
+    result_.chair = "the motors may still be on";
+  if (const auto timing = study::read_timing(trace_))
+    result_.timing = *timing;
+  else if (result_.chair.empty())
+    result_.chair = timing.error();
+  ended_(result_); // may delete this
+}
+
+void
+expect_playable(const std::string &film, const study::Settings &settings)
+{
+  expect_driver(setting(settings, "driver", "auto"), kAudio);
+  sound_profile(setting(settings, "sound", "off"));
+  discover_film(film);
+}
+
+bool
+can_show_films()
+{
+  return have_display();
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/pipeline.h"
+#include "study/participant.h"
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the chair does.
+struct ChairLevels
+{
+  unsigned rows = 0;
+  unsigned columns = 0;
+  std::vector<float> levels; ///< 0 to 1
+  double position = 0;       ///< s of the film
+};
+
+/// Film and chair of a session, in sync by their sinks. Of the main context's thread.
+class FilmPlay
+{
+public:
+  struct Order
+  {
+    std::string film; ///< path
+    study::Settings settings;
+    std::string trace; ///< path
+    bool window = false;
+  };
+  /// Begins to play. Throws std::runtime_error if that fails. `ended` is called once, from the main
+  /// loop, when motors are at zero and the trace is complete.
+  FilmPlay(const Order &order, std::function<void(const study::Play &result)> ended);
+  ~FilmPlay();
+  FilmPlay(const FilmPlay &) = delete;
+  FilmPlay &operator=(const FilmPlay &) = delete;
+
+  /// Ends it early; `ended` is called before it returns.
+  void stop(const std::string &why);
+
+  ChairLevels levels() const;
+
+private:
+  gboolean on_message(GstMessage *message);
+  void on_map(GstPad *pad, GstBuffer *map);
+  void end(study::Play::Outcome outcome, const std::string &text);
+  void count_frames();
+
+  std::function<void(const study::Play &)> ended_;
+  std::string trace_;
+  bool is_audio_;
+  float intensity_;
+  study::Play result_;
+  std::string told_; ///< by the chair
+  guint watch_ = 0;
+  mutable std::mutex mutex_;
+  ChairLevels levels_; ///< a streaming thread writes them
+  Pipeline noise_;
+  Pipeline pipeline_;
+  Owned<GstElement> chair_;
+};
+
+/// Throws std::runtime_error if a film of these settings cannot be played at all.
+void expect_playable(const std::string &film, const study::Settings &settings);
+
+/// Whether a window can show films here.
+bool can_show_films();

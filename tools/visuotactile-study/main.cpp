@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactile-study: a laboratory's study of films with and without touch.
+#include "commands.h"
+
+#include "film/command_line.h"
+
+#include <array>
+
+static constexpr std::array kCommands = {
+  Command{ "new", make_new, "make a study's folder, with the paper's study" },
+  Command{ "run", run_study, "serve sessions in the browser, with film and chair" },
+  Command{ "status", print_status, "print who has done what" },
+  Command{ "export", export_table, "write the answers as CSV" },
+  Command{ "report", write_report, "analyze the answers (needs R)" },
+  Command{ "power", compute_power, "compute how many people a study needs (needs R)" },
+  Command{ "simulate", simulate, "write the data of simulated participants" },
+  Command{ "forget", forget, "remove a participant's data" },
+};
+
+int
+main(int argc, char **argv)
+{
+  return run_commands("visuotactile-study", kCommands, argc, argv);
+}

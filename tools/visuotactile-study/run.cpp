@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "commands.h"
+#include "site.h"
+
+#include "../visuotactile-follow/session_watch.h"
+
+#include "film/command_line.h"
+#include "film/or_throw.h"
+#include "web/browser.h"
+#include "web/server.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace {
+
+constexpr const char *kProgram = "visuotactile-study run";
+constexpr int kHighestPort = 65535;
+
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    g_object_unref(object);
+  }
+};
+
+/// Throws std::runtime_error if a session could not be played.
+void
+expect_films(const study::Folder &folder, const study::Settings &overrides)
+{
+  const study::Study &study = folder.study();
+  std::vector<study::Settings> sessions;
+  if (study.practice)
+    sessions.push_back(*study.practice);
+  for (const study::Condition &condition : study.conditions())
+    for (const study::Condition &group : study.groups()) {
+      study::Settings settings = condition.settings;
+      settings.insert(group.settings.begin(), group.settings.end());
+      sessions.push_back(std::move(settings));
+    }
+  std::vector<std::string> known;
+  for (study::Settings &settings : sessions) {
+    settings.insert(study.settings.begin(), study.settings.end());
+    for (const auto &[name, value] : overrides)
+      settings[name] = value;
+    const std::string &film = settings["film"];
+    if (film.empty())
+      throw std::runtime_error("study.ini: expected film=FILE in [settings] or in a level of each "
+                               "session");
+    if (std::ranges::find(known, film) != known.end())
+      continue;
+    known.push_back(film);
+    const std::string path = folder.film(film);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error))
+      throw std::runtime_error("there is no film '" + path
+                               + "'; put one there, or name another in study.ini");
+    expect_playable(path, settings);
+  }
+}
+
+} // namespace
+
+int
+run_study(int argc, char **argv)
+{
+  CommonOptions common;
+  TextOption driver;
+  gint port = 0;
+  gboolean no_browser = FALSE;
+  gboolean no_window = FALSE;
+  const GOptionEntry entries[] = {
+    { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
+      "Driver of tactorsink in all sessions, or audio (default: the study's, else auto)", "NAME" },
+    { "port", 0, 0, G_OPTION_ARG_INT, &port,
+      "Port of 127.0.0.1, 0 to 65535; 0 (default): the study's usual one, or any", "N" },
+    { "no-browser", 0, 0, G_OPTION_ARG_NONE, &no_browser,
+      "Open no browser: only print the addresses", nullptr },
+    { "no-window", 'n', 0, G_OPTION_ARG_NONE, &no_window,
+      "Show no film, and play no sound, even with a display: to try a study", nullptr },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Serves a study on 127.0.0.1. The first address is the participant's page, the "
+                   "second the\nexperimenter's, who starts each participant there. Each answer is "
+                   "on the disk before\nthe next page; what was cut off goes on at the same page. "
+                   "Ctrl-C ends it, with all\nmotors at zero.",
+        .least = 1,
+        .most = 1,
+        .force_help = "No effect: answers are only added" });
+  if (port < 0 || port > kHighestPort)
+    throw UsageError("--port is a number from 0 to 65535");
+  gst_init(nullptr, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
+  const char *set = g_getenv("VISUOTACTILE_STUDY_PAGE");
+  const std::string page = set ? set : STUDY_PAGE;
+  std::error_code error;
+  if (!std::filesystem::exists(page + "/index.html", error))
+    throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
+  const auto folder = or_throw(study::Folder::open(arguments[0], study::Folder::Use::writes));
+  study::Settings overrides;
+  if (driver.is_set())
+    overrides["driver"] = driver.text();
+  expect_films(*folder, overrides);
+  const bool window = !no_window && can_show_films();
+  if (!window && !no_window)
+    print_error(kProgram, "there is no display: films are played, but not shown");
+
+  StudySite site(*folder, { .page = page, .window = window, .overrides = overrides });
+  const Server server({ .port = static_cast<guint16>(port),
+                        .usual = usual_port(std::filesystem::absolute(folder->path(), error)),
+                        .program = kProgram,
+                        .inline_styles = true },
+                      site);
+  const std::unique_ptr<GDBusConnection, Unref> bus(
+      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough
+  if (bus)
+    g_dbus_connection_set_exit_on_close(bus.get(), FALSE);
+  const SessionWatch watch(bus.get(), kProgram, [&](bool rests, const std::string &why) {
+    if (rests)
+      site.stop_film(why);
+  });
+  std::printf("%s\n%sexperimenter\n", server.address().c_str(), server.address().c_str());
+  std::fflush(stdout);
+  Browser participant;
+  Browser experimenter;
+  if (!no_browser)
+    for (const auto &[browser, path] :
+         { std::pair{ &participant, "" }, std::pair{ &experimenter, "experimenter" } })
+      if (const std::string why = browser->open(server.address() + path); !why.empty())
+        print_error(kProgram, "no browser could be opened: " + why + "; open the addresses above");
+  if (!common.quiet)
+    std::fprintf(stderr, "Ctrl-C ends the study's server; the answers are in '%s'.\n",
+                 folder->data("").c_str());
+  run_until_signal();
+  return 0;
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film_play.h"
+
+#include "study/folder.h"
+#include "study/page.h"
+#include "web/events.h"
+#include "web/site.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+/// The answers to a study's pages, and the session that runs. Of the main context's
+/// thread.
+class StudySite : public Site
+{
+public:
+  struct Settings
+  {
+    std::string page; ///< folder
+    bool window = false;
+    study::Settings overrides; ///< of all sessions
+  };
+  StudySite(study::Folder &folder, Settings settings);
+  ~StudySite() override;
+
+  std::string methods(const std::string &path) const override;
+  void answer(SoupServerMessage *message, const std::string &path) override;
+
+  /// Ends a film that plays: nobody is there, or the program ends.
+  void stop_film(const std::string &why);
+
+private:
+  using Handler = void (StudySite::*)(SoupServerMessage *, std::string_view body);
+  struct Route
+  {
+    const char *path;
+    const char *methods;
+    Handler handler;
+  };
+  static const Route kRoutes[];
+
+  void state(SoupServerMessage *message, std::string_view body);
+  void overview(SoupServerMessage *message, std::string_view body);
+  void events(SoupServerMessage *message, std::string_view body);
+  void step(SoupServerMessage *message, std::string_view body);
+  void play(SoupServerMessage *message, std::string_view body);
+  void act(SoupServerMessage *message, std::string_view body);
+
+  study::Phase phase() const;
+  /// Writes an event; answers with an error, and returns false, if that fails.
+  bool add(SoupServerMessage *message, const study::Event &event);
+  void played(const study::Play &result);
+  std::string state_json() const;
+  std::string chair_json() const;
+  void tell();
+
+  study::Folder &folder_;
+  Settings settings_;
+  study::Participant *active_ = nullptr;
+  std::unique_ptr<FilmPlay> play_;
+  std::unique_ptr<FilmPlay> over_; ///< the last one
+  std::string step_played_;        ///< by play_
+  Events events_;
+  guint tick_;
+};
