@@ -71,7 +71,7 @@ copy_stored(const DeskOptions &options, const Film &film, const std::string &tra
     print_error(kProgram, why);
   if (!found || !found->fault.empty())
     return false;
-  if (const auto done = desk::replace_file(track, tactile::write_webvtt(found->track)); !done)
+  if (const auto done = files::replace_file(track, tactile::write_webvtt(found->track)); !done)
     throw std::runtime_error(done.error());
   if (!options.common.quiet)
     std::fprintf(stderr, "'%s' is a copy of '%s'\n", track.c_str(), found->path.c_str());
