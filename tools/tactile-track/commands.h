@@ -22,6 +22,7 @@ int extract(int argc, char **argv);
 int stream_hls(int argc, char **argv);
 int find(int argc, char **argv);
 int make_index(int argc, char **argv);
+int learn(int argc, char **argv);
 int desk(int argc, char **argv);
 
 /// Seconds with three decimals.
