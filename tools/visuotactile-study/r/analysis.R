@@ -42,7 +42,7 @@ analyze <- function(question, data, within_all, between_all, compare = TRUE) {
   # The correction leaves the ratio of the degrees of freedom, and so the partial eta squared.
   result$anova <- data.frame(question = question, effect = rownames(table), df1 = table[["num Df"]], df2 = table[["den Df"]], F = table[["F"]],
                              p = table[["Pr(>F)"]], ges = table[["ges"]], pes = table[["F"]] * table[["num Df"]] / (table[["F"]] * table[["num Df"]] + table[["den Df"]]))
-  comparisons <- if (compare) lapply(c(within, between), function(name) {
+  comparisons <- lapply(if (compare) c(within, between), function(name) {
     if (nlevels(data[[name]]) < 3)
       return(NULL)
     pairs <- as.data.frame(summary(suppressMessages(pairs(emmeans(model, name, model = "multivariate"), adjust = "holm"))))
