@@ -245,7 +245,7 @@ FilmTrack::read(std::unique_ptr<follow::MapSource> source, const std::string &wh
   choose(what);
 }
 
-/// Without a track, or with no more of it. What is known stays.
+/// Ends reading: there is no track, or no more of it. The known part stays.
 void
 FilmTrack::fail(std::string why) // by value: it may be the reader's
 {

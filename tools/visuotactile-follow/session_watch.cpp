@@ -208,7 +208,7 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
       "Lock",
       +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *, GVariant *,
           gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, true); });
-  // The end of a lock comes here, and seldom by the signal.
+  // Most lockers report their end here, few by the signal.
   self->subscribe(
       self->system_, kLogind, "org.freedesktop.DBus.Properties", "PropertiesChanged", path,
       +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
@@ -229,7 +229,7 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
           gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, false); });
 }
 
-/// Queries whether the screen is locked already.
+/// Receives whether the screen is locked already.
 void
 SessionWatch::on_locked(GObject *bus, GAsyncResult *result, gpointer data)
 {
