@@ -89,9 +89,9 @@ private:
 std::size_t
 size_in_file(const Cue &cue)
 {
-  constexpr std::size_t kTimes = 64;
-  constexpr std::size_t kLevel = 6; // "100%" and a line end
-  constexpr std::size_t kNote = 16; // "NOTE" and line ends
+  constexpr std::size_t kTimes = 64; // and a frequency
+  constexpr std::size_t kLevel = 6;  // "100%" and a line end
+  constexpr std::size_t kNote = 16;  // "NOTE" and line ends
   std::size_t size = kTimes + kLevel * cue.levels.size();
   for (const std::string &note : cue.notes)
     size += kNote + 2 * note.size(); // each \n may become \r\n
@@ -145,6 +145,8 @@ Document::check(const Cue &cue) const
                    + std::to_string(cue.levels.size()));
   if (std::ranges::any_of(cue.levels, [](int level) { return level > kMostPercent; }))
     return refused("expected levels from 0 to 100");
+  if (cue.frequency < 0 || cue.frequency > tactile::kHighestFrequency)
+    return refused("expected a frequency from 0 to 1000 Hz");
   if (cue.notes.size() > tactile::kMostWebvttNotes
       || !std::ranges::all_of(cue.notes, tactile::is_webvtt_note))
     return refused("expected at most " + std::to_string(tactile::kMostWebvttNotes) + " notes of "
@@ -228,7 +230,7 @@ Document::text() const
 tactile::TactileMap
 Document::map(const Cue &cue) const
 {
-  return tactile::map_of(cue.levels, grid_);
+  return tactile::map_of(cue, grid_);
 }
 
 tactile::Track

@@ -12,6 +12,7 @@ struct DeskOptions
   gboolean review = FALSE;
   gint port = 0; ///< 0: any
   gboolean no_browser = FALSE;
+  TextOption tracks{}; ///< a library; empty: none
   ChairOptions chair;
   CommonOptions common;
   std::string film;

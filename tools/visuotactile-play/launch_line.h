@@ -18,6 +18,7 @@ struct PlaySettings
   bool overlay = true;          ///< the window shows the map
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
+  std::string track;            ///< a file of text cues that replace all other maps; empty: none
   const fusion::Profile *sound = nullptr; ///< of the film's sound; null: none is felt
 };
 
