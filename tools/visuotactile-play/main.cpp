@@ -327,7 +327,7 @@ print_report(const Film &film, const PlayReport &report)
               milliseconds(report.chair.get(), "error-max"));
 }
 
-/// As a launch line has it, in any locale.
+/// A number as on a launch line, in any locale.
 std::string
 number_text(double number)
 {
@@ -471,7 +471,7 @@ run(const Options &options)
   if (!report.played && !report.stopped)
     throw std::runtime_error("'" + film.title + "' has no frame that can be decoded");
 
-  // Before the report: who reads that may not wait for the program's end.
+  // The files are complete before the report: its reader may not wait for the program's end.
   std::string written;
   const auto commit = [&written](std::optional<Output> &output) {
     if (output && output->commit())
