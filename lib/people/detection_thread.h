@@ -51,7 +51,7 @@ public:
   /// The faces in the latest picture, once: none while it is not done, unless `wait` is set.
   std::optional<std::vector<Hit>> take(bool wait);
 
-  /// Why nothing can be found, from then on; empty if there is no reason.
+  /// The fault that ended detection; empty: none.
   std::string failure();
 
   Statistics statistics();
