@@ -107,7 +107,6 @@ fill(Options &options, UserDefaults &defaults)
   defaults.fill_of_driver("device", options.device);
   defaults.fill_of_driver("mapping", options.mapping);
   defaults.fill_of_driver("calibration", options.calibration);
-  defaults.fill_grid(options.rows, options.columns);
   defaults.fill("intensity", options.intensity);
   defaults.fill("mute", options.mute);
   defaults.fill("sensitivity", options.sensitivity);
@@ -237,6 +236,7 @@ read_command_line(int argc, char **argv, Options &options)
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());
+  defaults.fill_grid(options.rows, options.columns, kOfDevice);
   if (!options.common.quiet && !options.list_devices && !options.release_boards)
     defaults.print();
 }
