@@ -28,7 +28,7 @@ public:
     std::strong_ordering operator<=>(const Claim &) const = default;
   };
 
-  /// A film's element, and what is called for it on a thread of GStreamer's.
+  /// A film's element, and its callbacks on a thread of GStreamer's.
   struct Film
   {
     GstElement *element;

@@ -20,7 +20,7 @@ public:
     constexpr double kStep = 0.002; // dB a hop
     constexpr double kPart = 0.7;
     constexpr double kSilenceDb = -50;
-    constexpr int kFirst = kLowBands + 2; // the lower octaves have some of what is deeper
+    constexpr int kFirst = kLowBands + 2; // the lower octaves contain some of the bass
     const double db = decibels(std::accumulate(powers.sum.begin() + kFirst, powers.sum.end(), 0.0));
     if (db > kSilenceDb)
       db_ += db > db_ ? kStep * kPart : -kStep * (1 - kPart);

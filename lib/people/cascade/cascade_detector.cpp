@@ -22,7 +22,7 @@ public:
       return false; // OpenCV prints an error
     try {
       return cascade_.load(file) && !cascade_.empty();
-    } catch (const cv::Exception &) { // what is no XML
+    } catch (const cv::Exception &) { // invalid XML
       return false;
     }
   }
