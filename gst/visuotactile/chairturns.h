@@ -58,6 +58,6 @@ private:
   void settle();
 
   std::mutex mutex_{};
-  Claimant holder_{}; ///< without an element: nobody
+  Claimant holder_{}; ///< without an element: none
   std::deque<Claimant> waiting_{};
 };

@@ -77,7 +77,7 @@ public:
   /// `found.map` itself where there is nothing to raise.
   const cv::Mat &raise(const Scene &scene, Time time);
 
-  /// Forgets all faces: the next frame does not follow the last one.
+  /// Drops all faces: the next frame does not follow the last one.
   void reset();
 
   /// Confirmed faces in the last frame, in its pixels.

@@ -50,7 +50,7 @@ private:
 
 } // namespace
 
-/// Null if the file is not there or is no cascade.
+/// Null if the file is missing or no cascade.
 extern "C" __attribute__((visibility("default"))) people::Detector *
 visuotactile_make_face_detector(const char *file)
 {
