@@ -95,7 +95,7 @@ public:
   /// The file with the track's name.
   enum class There
   {
-    nothing,  ///< or a draft that nobody has edited, of another film, version or settings
+    nothing,  ///< no file, or an unedited draft of another film, version or settings
     same,     ///< made with these settings, newer than its film
     precious, ///< edited, or without a record of its settings
   };
