@@ -22,7 +22,7 @@ public:
     const char *in_use;      ///< what to do while another process has the file
     const char *if_full;     ///< what to do then
   };
-  /// Makes the file if it is not there. Fails if another process has it.
+  /// Makes the file if it does not exist. Fails if another process has it open.
   static tl::expected<Journal, std::string> open(const std::string &path, const Kind &kind);
 
   struct Content

@@ -8,7 +8,7 @@ namespace follow {
 
 namespace {
 
-/// CPU time is counted anew so often: what was not used then is not made up for.
+/// Interval after which CPU time is counted anew: unused time is not added to the next interval.
 constexpr Time kCounted = std::chrono::seconds(1);
 
 /// Key frames are seldom further apart.
@@ -101,7 +101,7 @@ AheadReader::choose(Time position, Time now)
     set(reach_, tactile::Track::kMaxEnd, tactile::TactileMap(draft_->rows(), draft_->columns()));
   }
   Time want = known_until(position);
-  if (draft_ && is_all(want)) { // what was left out
+  if (draft_ && is_all(want)) { // the skipped parts
     want = draft_->known_until(Time(0));
     complete_ = is_all(want);
   }

@@ -9,7 +9,7 @@ namespace sound {
 
 inline constexpr int kMaxSpeakers = 8; ///< 7.1
 
-/// Where a channel's loudspeaker stands, as seen by the audience.
+/// The place of a channel's loudspeaker, as seen by the audience.
 struct Speaker
 {
   enum class Role

@@ -49,8 +49,8 @@ is_default(const struct sigaction &action)
   return (action.sa_flags & SA_SIGINFO) == 0 && action.sa_handler == SIG_DFL;
 }
 
-/// Sets a signal's action if it is one that `may_change`. It is looked at first: an application's
-/// own is never replaced, but for a moment if it is set on another thread meanwhile.
+/// Sets a signal's action if it is one that `may_change`. The present action is read first: an
+/// application's own is never replaced, but for a moment if it is set on another thread meanwhile.
 /// Async-signal-safe.
 void
 exchange(int number, const struct sigaction &action, bool (*may_change)(const struct sigaction &))

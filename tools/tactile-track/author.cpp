@@ -92,12 +92,12 @@ public:
     return output_;
   }
 
-  /// What is there under the track's name.
+  /// The file with the track's name.
   enum class There
   {
     nothing,  ///< or a draft that nobody has edited, of another film, version or settings
     same,     ///< made with these settings, newer than its film
-    precious, ///< edited, or it may be: what it was made with is not in it
+    precious, ///< edited, or without a record of its settings
   };
   There there() const
   {

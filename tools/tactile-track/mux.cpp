@@ -66,7 +66,7 @@ public:
   {
   }
 
-  /// What is lost. Throws std::runtime_error if there is no copy, and Stopped.
+  /// Returns the losses. Throws std::runtime_error if there is no copy, and Stopped.
   std::vector<std::string> operator()()
   {
     const FilmContents &film = what_.film;

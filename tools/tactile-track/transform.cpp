@@ -57,8 +57,8 @@ read_file(const std::string &path, const std::string &clip = "")
            .ignored = std::move(ignored) };
 }
 
-/// Writes what became of a track. From WebVTT to WebVTT, what was not changed stays as it is; from
-/// funscript to funscript, other axes and what other tools added.
+/// Writes a changed track. From WebVTT to WebVTT, unchanged parts stay as they are; from funscript
+/// to funscript, other axes and the additions of other tools.
 void
 write_file(const TrackFile &file, const Track &track, Time offset, const std::string &path)
 {

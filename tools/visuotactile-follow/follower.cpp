@@ -194,7 +194,7 @@ Follower::look_for_players()
   look_for_sound();
 }
 
-/// Not while nobody is in the chair.
+/// Does nothing while nobody is in the chair.
 void
 Follower::look_for_sound()
 {
@@ -295,7 +295,7 @@ Follower::gone(const std::string &key, const std::string &why)
     return;
   found->second.is_gone = true;
   if (key == kSound)
-    listens_ = false; // what it missed does not come back by itself
+    listens_ = false; // a missing microphone does not come back by itself
   tell(found->second.player->name() + " is gone: " + why);
   update();
 }
@@ -369,7 +369,7 @@ Follower::chair_failed(const std::string &text)
     tell("the chair is not there yet: " + text);
 }
 
-/// Nobody is in the chair, or somebody is again.
+/// Silences the chair while nobody is in it.
 void
 Follower::rest(bool rests, const std::string &why)
 {

@@ -64,7 +64,7 @@ private:
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
     bool was_paused = false; ///< and has not gone on yet
-    bool has_played = false; ///< since it is there
+    bool has_played = false; ///< since it appeared
     bool is_gone = false;
     std::string told{}; ///< its fault or remark, as printed last
   };
@@ -110,7 +110,7 @@ private:
   PlayerTiming timing_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
-  std::string film_;           ///< whose track is played, or looked for
+  std::string film_;           ///< whose track is played or searched for
   follow::Time position_{ 0 }; ///< last known one of the film
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt

@@ -109,7 +109,7 @@ Connections::end(GSocket *socket, Connection &connection)
   g_socket_shutdown(socket, TRUE, TRUE, nullptr);
 }
 
-/// False if all that are there have named the token.
+/// False if all connections have named the token.
 bool
 Connections::make_room()
 {

@@ -47,6 +47,6 @@ private:
 
   SoupServer *server_;
   guint16 port_ = 0;
-  std::map<GSocket *, Connection> connections_; ///< that are there
+  std::map<GSocket *, Connection> connections_; ///< the open ones
   guint tick_ = 0;
 };

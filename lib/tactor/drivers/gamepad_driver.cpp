@@ -231,7 +231,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
   return tl::unexpected(refusal);
 }
 
-/// Waits and looks for the lost gamepad. Null if it is not there or not usable.
+/// Waits and searches for the lost gamepad. Null if it is missing or not usable.
 std::unique_ptr<GamepadPort>
 GamepadDriver::connect_again(Lock &lock, Gamepads &gamepads)
 {
