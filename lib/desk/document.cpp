@@ -27,8 +27,8 @@ times_of(const Cue &cue)
   return std::to_string(cue.start) + " to " + std::to_string(cue.end) + " ms";
 }
 
-/// Splices in a row. Cues are moved between what is before the place of a splice and what is after,
-/// so that one near the last costs little, however many cues there are.
+/// Applies splices in a row. Cues move between the part before the place of a splice and the part
+/// after it, so that a splice near the last one costs little, whatever the number of cues.
 class Splicing
 {
 public:
@@ -85,7 +85,7 @@ private:
   std::size_t steps_ = 0;
 };
 
-/// At most what a cue takes in a file.
+/// Upper bound for the size of a cue in a file.
 std::size_t
 size_in_file(const Cue &cue)
 {
@@ -167,7 +167,7 @@ Document::check_order() const
   return {};
 }
 
-/// Makes the size exact if it may be too large.
+/// Computes the exact size if the bound may be too large.
 Applied
 Document::check_size(std::size_t &size) const
 {

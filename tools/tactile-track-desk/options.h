@@ -5,8 +5,8 @@
 
 #include <string>
 
-/// The command line of `tactile-track desk`, which tactile-track reads for its help and errors, and
-/// tactile-track-desk for what to do.
+/// The command line of `tactile-track desk`. tactile-track reads it for help and errors,
+/// tactile-track-desk to run.
 struct DeskOptions
 {
   gboolean review = FALSE;

@@ -286,7 +286,7 @@ Follower::reported(const std::string &key, const Report &report)
     open_chair();
 }
 
-/// Its own function calls this, so that it is removed by the next tick.
+/// A function of the player calls this; therefore the next tick removes the player.
 void
 Follower::gone(const std::string &key, const std::string &why)
 {
@@ -300,8 +300,8 @@ Follower::gone(const std::string &key, const std::string &why)
   update();
 }
 
-/// A player that plays comes first, of these one that reports its position, then what is heard. A
-/// paused film is prepared, so that it is felt from its first moment on.
+/// Prefers a player that plays, of these one that reports its position, then the listener. A paused
+/// film is prepared, so that it is felt from its first moment on.
 void
 Follower::choose()
 {

@@ -25,7 +25,7 @@ const char *word(follow::Doing doing);
 struct FollowSettings
 {
   std::string mpv_socket;                          ///< empty: none
-  bool insists_on_mpv = false;                     ///< say so when nobody is there
+  bool insists_on_mpv = false;                     ///< prints a message while mpv is missing
   std::string kodi;                                ///< HOST[:PORT]; empty: none
   bool insists_on_kodi = false;                    ///< likewise
   std::optional<FilmListener::Settings> listens{}; ///< none: it does not
@@ -40,8 +40,8 @@ struct FollowSettings
   bool quiet = false;
 };
 
-/// Follows one of the players that are there: the one that plays, and when several do, the one
-/// that was followed before. All on the main context's thread.
+/// Follows the player that plays; of several, the one that it followed before. Main context's
+/// thread.
 class Follower
 {
 public:
@@ -66,7 +66,7 @@ private:
     bool was_paused = false; ///< and has not gone on yet
     bool has_played = false; ///< since it is there
     bool is_gone = false;
-    std::string told{}; ///< its fault or remark, as the user knows it
+    std::string told{}; ///< its fault or remark, as printed last
   };
 
   void look_around();
@@ -111,7 +111,7 @@ private:
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played, or looked for
-  follow::Time position_{ 0 }; ///< of the film, as it was known last
+  follow::Time position_{ 0 }; ///< last known one of the film
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt
   Chair chair_;

@@ -107,7 +107,6 @@ fill(Options &options, UserDefaults &defaults)
   defaults.fill_of_driver("device", options.device);
   defaults.fill_of_driver("mapping", options.mapping);
   defaults.fill_of_driver("calibration", options.calibration);
-  defaults.fill_grid(options.rows, options.columns);
   defaults.fill("intensity", options.intensity);
   defaults.fill("mute", options.mute);
   defaults.fill("sensitivity", options.sensitivity);
@@ -237,6 +236,7 @@ read_command_line(int argc, char **argv, Options &options)
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());
+  defaults.fill_grid(options.rows, options.columns, kOfDevice);
   if (!options.common.quiet && !options.list_devices && !options.release_boards)
     defaults.print();
 }
@@ -327,7 +327,7 @@ print_report(const Film &film, const PlayReport &report)
               milliseconds(report.chair.get(), "error-max"));
 }
 
-/// As a launch line has it, in any locale.
+/// A number as on a launch line, in any locale.
 std::string
 number_text(double number)
 {
@@ -471,7 +471,7 @@ run(const Options &options)
   if (!report.played && !report.stopped)
     throw std::runtime_error("'" + film.title + "' has no frame that can be decoded");
 
-  // Before the report: who reads that may not wait for the program's end.
+  // The files are complete before the report: its reader may not wait for the program's end.
   std::string written;
   const auto commit = [&written](std::optional<Output> &output) {
     if (output && output->commit())
