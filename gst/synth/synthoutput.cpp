@@ -207,7 +207,7 @@ SynthOutput::negotiate(const SynthSettings &settings, guint rows, guint columns)
 
 /* ---- samples ---- */
 
-/// Its timestamps are running times.
+/// Sends a segment whose timestamps are running times.
 void
 SynthOutput::send_segment()
 {

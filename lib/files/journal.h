@@ -31,8 +31,8 @@ public:
     std::vector<std::string> entries; ///< complete lines
     bool damaged = false;             ///< it is none of ours, or too large for one
   };
-  /// Its content. An unfinished last line, which was never answered, is left out; the next append()
-  /// cuts it off.
+  /// Reads the content. An unfinished last line, which was never answered, is skipped; the next
+  /// append() cuts it off.
   tl::expected<Content, std::string> read();
   /// The content of a file that another process may have.
   static tl::expected<Content, std::string> peek(const std::string &path, const Kind &kind);

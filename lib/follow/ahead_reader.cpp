@@ -55,7 +55,7 @@ AheadReader::step(Time position, Time now, Time cpu)
     choose(position, now);
 }
 
-/// Not while more is known than anybody may want, or more CPU time was used than may be.
+/// Whether reading may continue: less than kFar is known ahead, and CPU time is left.
 bool
 AheadReader::may_read(Time position, Time now, Time cpu)
 {
@@ -117,7 +117,7 @@ AheadReader::choose(Time position, Time now)
     too_slow_ = true;
     seek(position + std::chrono::seconds(1), false, now);
   } else if (!exactly_ && !ended_ && want < begin_ && want > begin_ - kWait) {
-    // It plays on to there.
+    // The source reaches this part without a seek.
   } else if (ended_ || want < begin_ || want > reach_ + kSkip) {
     seek(want, true, now);
   } else if (!sought_) {

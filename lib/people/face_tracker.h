@@ -49,7 +49,7 @@ public:
     faces_.clear();
   }
 
-  /// Also those that are not confirmed.
+  /// All faces, also those that are not confirmed.
   const std::vector<Face> &faces() const
   {
     return faces_;

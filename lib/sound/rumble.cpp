@@ -34,7 +34,7 @@ constexpr double kOverDb = -12;
 constexpr double kRiseS = 10;
 constexpr double kFallS = 2;
 constexpr double kSilenceDb = -70;
-/// So far above the floor it is felt at all, and in full, dB.
+/// Levels above the floor from which on rumble is felt at all, and in full, dB.
 constexpr double kOutDb = 3;
 constexpr double kFullDb = 12;
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-/// Which part of a film's sound is felt, when and where.
+/// From the sound of a film to its vibration: level, time and place.
 namespace sound {
 
 inline constexpr int kMaxSpeakers = 8; ///< 7.1

@@ -138,7 +138,7 @@ public:
       restore(number);
     pipe_in = -1;
     abort_is_due = true;
-    // Those that came meanwhile.
+    // Signals that came meanwhile.
     for (unsigned char byte = 0; read(pipe_[0], &byte, 1) == 1;)
       if (byte != 0 && (byte & kWaits) == 0)
         die(byte);

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 /// Status of a copy that lacks something of the film.
 constexpr int kIncomplete = 3;
 
-/// By as much the track may be off: Matroska's milliseconds.
+/// Tolerance of the track's times: Matroska's milliseconds.
 constexpr double kTolerance = 0.002;
 
 Container

@@ -271,7 +271,8 @@ Follower::reported(const std::string &key, const Report &report)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.estimator.report(report);
-  // Not the next film of a list, nor a player of music behind the locked screen.
+  // Only a paused film that continues ends a lock: not the next film of a list, nor a music player
+  // behind the locked screen.
   Followed &player = found->second;
   const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
   const bool begins = !player.has_played && report.doing == Doing::playing;

@@ -495,7 +495,7 @@ private:
   std::atomic<bool> recorded_{ false };
   std::atomic<bool> silent_{ false };
   std::atomic<GstClockTime> shown_{ 0 };    ///< the film's time of the last frame
-  std::atomic<GstClockTime> position_{ 0 }; ///< and of its end
+  std::atomic<GstClockTime> position_{ 0 }; ///< the film's time at the end of the last frame
   std::atomic<GstClockTime> heard_{ 0 };
   PlayReport report_;
 };

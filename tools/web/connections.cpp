@@ -101,7 +101,7 @@ Connections::gone(gpointer self, GObject *socket)
   static_cast<Connections *>(self)->connections_.erase(reinterpret_cast<GSocket *>(socket));
 }
 
-/// Its connection ends by that.
+/// Shuts the socket down, which ends the connection.
 void
 Connections::end(GSocket *socket, Connection &connection)
 {

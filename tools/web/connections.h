@@ -21,7 +21,7 @@ public:
   Connections(const Connections &) = delete;
   Connections &operator=(const Connections &) = delete;
 
-  /// Its request has named the token.
+  /// Admits the connection of a request that has named the token.
   void admit(SoupServerMessage *message);
 
   guint16 port() const

@@ -76,7 +76,7 @@ private:
   std::string film_;                   ///< empty: unknown
   double speed_ = 0;                   ///< film seconds a second; 0: pause
   std::optional<Seek> seek_;           ///< without a report of a position so far
-  bool sought_ = false;                ///< likewise
+  bool sought_ = false;                ///< a seek without a report of a position so far
 };
 
 } // namespace follow

@@ -107,7 +107,7 @@ private:
   std::optional<std::string> lost_;       ///< why the port is unusable
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
-  std::optional<BoardIdentity> identity_; ///< of that
+  std::optional<BoardIdentity> identity_; ///< of device_
   std::uint64_t bytes_before_ = 0;        ///< sent to boards before board_
   // The values of the first board stay after a reconnection
   double resolution_ = 0;

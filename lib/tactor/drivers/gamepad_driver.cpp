@@ -213,7 +213,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
                + (all.empty()
                       ? ""
                       : "; another is chosen by device=PATH or device=NAME: " + describe(all)));
-      // Its effects last for SDL_MAX_RUMBLE_DURATION_MS: SDL itself ends them earlier.
+      // Effects of the kernel last for SDL_MAX_RUMBLE_DURATION_MS; SDL itself ends them earlier.
       tell(lock, DriverEvent::Kind::warning,
            describe(gamepad_)
                + " has no watchdog: motors run on for up to 65 s if this computer hangs or the "
