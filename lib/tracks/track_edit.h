@@ -67,7 +67,7 @@ struct Difference
 };
 
 /// Lists where `after` differs from `before` by more than `tolerance` in any cell, or by its
-/// frequency, in order of time. Fails if the grids differ. Beyond the end of a track all its levels
+/// frequency, with a tolerance by more than the half hertz of whole numbers, in order of time. Fails if the grids differ. Beyond the end of a track all its levels
 /// are 0.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
