@@ -9,6 +9,7 @@ namespace listen {
 
 namespace {
 
+constexpr std::size_t kMostVotes = std::size_t{ 32 } << 20; ///< 128 MiB, twice
 constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
 
 /// By three rounds over 11 bits.
@@ -33,21 +34,22 @@ sort_by_radix(std::vector<std::uint32_t> &values)
 HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
                      std::size_t most_bytes)
 {
+  const auto fits = [most_bytes](std::int64_t seconds, unsigned rank) {
+    return 4 * (static_cast<std::size_t>(seconds * kOfRank[rank]) + kValues) <= most_bytes;
+  };
   std::int64_t seconds = 1;
   std::int64_t start = kGap;
-  std::size_t count = 0;
   for (const std::int64_t frames : films) {
     const std::int64_t units = frames / kUnit + 1 + kGap;
-    if (start + units > std::int64_t{ 0xffff'ffff })
+    seconds += second_of(frames) + 1;
+    if (start + units > std::int64_t{ 0xffff'ffff } || !fits(seconds, 0))
       break; // no room for more
     starts_.push_back(static_cast<std::uint32_t>(start));
     start += units;
-    seconds += static_cast<std::int64_t>(static_cast<double>(frames) / PeakFinder::kFrameRate) + 1;
-    count++;
   }
+  const std::size_t count = starts_.size();
   unsigned rank = 0;
-  while (rank + 1 < kRanks
-         && static_cast<std::size_t>(seconds * kOfRank[rank + 1]) * 4 + kValues * 4 <= most_bytes)
+  while (rank + 1 < kRanks && fits(seconds, rank + 1))
     rank++;
   begins_.resize(kValues + 1);
   for (std::size_t film = 0; film < count; film++)
@@ -70,13 +72,20 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
   if (places_.empty())
     return {};
   std::vector<std::uint32_t> votes;
-  for (const Hash &hash : heard) {
-    const std::size_t begin = begins_[hash.value];
-    const std::size_t end = begins_[hash.value + 1];
-    const auto at = static_cast<std::uint32_t>(hash.frame / kUnit);
-    if (end - begin <= common_)
-      for (std::size_t i = begin; i < end; i++)
-        votes.push_back(places_[i] - at);
+  for (std::size_t common = common_; common > 0; common /= 2) {
+    std::size_t count = 0;
+    for (const Hash &hash : heard)
+      if (const std::size_t places = begins_[hash.value + 1] - begins_[hash.value];
+          places <= common)
+        count += places;
+    if (count > kMostVotes)
+      continue;
+    votes.reserve(count);
+    for (const Hash &hash : heard)
+      if (begins_[hash.value + 1] - begins_[hash.value] <= common)
+        for (std::size_t i = begins_[hash.value]; i < begins_[hash.value + 1]; i++)
+          votes.push_back(places_[i] - static_cast<std::uint32_t>(hash.frame / kUnit));
+    break;
   }
   sort_by_radix(votes);
   std::vector<Place> found;

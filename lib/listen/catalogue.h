@@ -34,6 +34,11 @@ public:
   /// The places with the most votes, at most `most`, the best first.
   std::vector<Place> search(std::span<const Hash> heard, std::size_t most) const;
 
+  /// Films that had room; the others are not found.
+  std::size_t films() const
+  {
+    return starts_.size();
+  }
   std::size_t bytes() const
   {
     return 4 * (begins_.size() + places_.size());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "files/regular_file.h"
 #include "listen/film_sound.h"
 
 #include <cstdint>
@@ -37,7 +36,8 @@ tl::expected<std::string, std::string> write_entry(const NewEntry &entry);
 class Entry
 {
 public:
-  /// A file, which stays open. The error is one line, without its name.
+  /// A file, which each read opens: a catalogue has more files than a process may have open. The
+  /// error is one line, without its name.
   static tl::expected<Entry, std::string> open(const std::string &path);
   /// A file's content.
   static tl::expected<Entry, std::string> of(std::string bytes);
@@ -61,18 +61,30 @@ public:
   }
   /// None where the file has changed since.
   std::optional<std::string> track() const;
-  /// Up to a rank.
+  /// Up to a rank, and of each second no more than kOfRank of it.
   std::vector<RankedHash> hashes(unsigned rank) const;
   /// Steps from one on. Outside of the film they are 0. None where the file has changed since.
   std::optional<std::vector<std::uint8_t>> reference(std::int64_t from, std::size_t steps) const;
 
 private:
+  /// A file's content that does not change.
+  struct Version
+  {
+    std::uint64_t device = 0;
+    std::uint64_t number = 0; ///< of the inode
+    std::int64_t size = 0;
+    std::int64_t changed = 0; ///< ns
+    bool operator==(const Version &) const = default;
+  };
+
   Entry() = default;
+  static Version version(int descriptor);
   tl::expected<void, std::string> read_head(std::size_t size);
   std::optional<std::string> read(std::size_t from, std::size_t count) const;
 
-  files::File file_; ///< or
+  std::string path_; ///< or
   std::string bytes_;
+  Version version_{};
   std::string film_;
   std::string track_name_;
   Time duration_{ 0 };

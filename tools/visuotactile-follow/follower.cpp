@@ -278,6 +278,8 @@ Follower::reported(const std::string &key, const Report &report)
   player.has_played = player.has_played || begins;
   if (report.doing != Doing::stalled)
     player.was_paused = player.has_played && report.doing == Doing::paused;
+  if (report.sought)
+    player.found = report.received;
   player.last = report;
   if (goes_on && session_)
     session_->somebody_is_there();
@@ -300,25 +302,27 @@ Follower::gone(const std::string &key, const std::string &why)
   update();
 }
 
-/// A player that plays comes first, of these one that reports its position, then what is heard. A
-/// paused film is prepared, so that it is felt from its first moment on.
 void
 Follower::choose()
 {
-  const auto rank = [](const Followed &one) {
-    if (one.is_gone || one.last.doing != Doing::playing)
-      return one.is_gone || one.last.doing != Doing::paused ? 0 : 1;
-    return !one.player->fault().empty() ? 2 : one.player->yields() ? 3 : 4;
-  };
-  constexpr int kPlays = 2;
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  Followed *best = current_;
-  for (auto &[key, followed] : players_)
-    if (rank(followed) > (best != nullptr ? rank(*best) : 0)
-        && (rank(followed) >= kPlays || best == nullptr || best->last.doing == Doing::stopped))
-      best = &followed;
-  if (best != nullptr && std::exchange(current_, best) != best) {
+  std::vector<Followed *> players;
+  std::vector<PlayerChoice::Candidate> candidates;
+  std::optional<std::size_t> current;
+  for (auto &[key, followed] : players_) {
+    if (followed.is_gone)
+      continue;
+    if (&followed == current_)
+      current = players.size();
+    players.push_back(&followed);
+    candidates.push_back({ .doing = followed.last.doing,
+                           .is_faulty = !followed.player->fault().empty(),
+                           .is_heard = followed.player->yields(),
+                           .found = followed.found });
+  }
+  const auto best = choice_.choose(candidates, current, local_time());
+  if (best && std::exchange(current_, players[*best]) != players[*best]) {
     cues_.change_player();
     set_delay();
   }

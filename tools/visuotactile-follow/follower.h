@@ -5,6 +5,7 @@
 #include "film_listener.h"
 #include "film_track.h"
 #include "follow_service.h"
+#include "player_choice.h"
 #include "player_timing.h"
 #include "session_watch.h"
 
@@ -40,8 +41,7 @@ struct FollowSettings
   bool quiet = false;
 };
 
-/// Follows one of the players that are there: the one that plays, and when several do, the one
-/// that was followed before. All on the main context's thread.
+/// Follows one of the players that are there, by PlayerChoice. All on the main context's thread.
 class Follower
 {
 public:
@@ -63,6 +63,7 @@ private:
     std::unique_ptr<follow::Player> player;
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
+    follow::Time found{ 0 }; ///< its newest report of a leap, or of a film found
     bool was_paused = false; ///< and has not gone on yet
     bool has_played = false; ///< since it is there
     bool is_gone = false;
@@ -109,6 +110,7 @@ private:
   std::unique_ptr<SessionWatch> session_;
   PlayerTiming timing_;
   std::map<std::string, Followed> players_;
+  PlayerChoice choice_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played, or looked for
   follow::Time position_{ 0 }; ///< of the film, as it was known last
