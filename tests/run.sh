@@ -20,7 +20,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 directory=$root/build
 patience=1
 options=(-Dsaliency=enabled -Dusb=enabled -Dgl=enabled -Dintrospection=enabled -Dtools=enabled -Ddesk=enabled -Dtests=enabled -Dexamples=enabled -Ddocs=enabled)
-parts="build play test players docs"
+parts="build play test players docs study"
 wrapper=()
 analyzer=
 scans_first=

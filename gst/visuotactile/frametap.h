@@ -50,7 +50,7 @@ private:
   gulong probe_ = 0;
   GroupShift shift_;
   guint32 seqnum_ = GST_SEQNUM_INVALID; ///< of the segment
-  std::atomic<bool> told_{ false };     ///< the branch knows the stream
+  std::atomic<bool> told_{ false };     ///< the branch has got the events of the stream
   std::atomic<bool> open_{ false };
   std::atomic<bool> ended_{ false };
   std::atomic<gint64> pixels_{ 0 };

@@ -30,10 +30,10 @@ struct IndexEntry
 /// error says what was expected and where.
 tl::expected<std::vector<IndexEntry>, std::string> read_index(std::string_view text);
 
-/// Writes it.
+/// Writes an index.
 std::string write_index(const std::vector<IndexEntry> &entries);
 
-/// Bytes of the largest index that is read.
+/// Most bytes of an index.
 inline constexpr std::size_t kMostIndex = std::size_t{ 8 } << 20;
 
 } // namespace library

@@ -53,7 +53,7 @@ consent-version=1
 consent=You will see six short films, some with vibration of the chair, and )"
          R"(answer questions about them. Your answers are stored under a number, without )"
          R"(your name. You can stop at any time, without giving a reason, and have your )"
-         R"(data to be removed.
+         R"(data removed.
 instructions=Lean back, so that you feel the chair. Please wear the earplugs and)"
          R"( the headset until the end. After each film, answer each question with the )"
          R"(slider: 100 is strong agreement, 50 is neutral, 1 is the strongest disagreement.

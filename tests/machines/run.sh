@@ -169,7 +169,7 @@ if [ -n "$cross" ]; then
     echo "result: $(sed 1d /tmp/trace.csv | wc -l) commands"'
 else
   parts="build play"
-  [[ ,$steps, != *,tests,* ]] || parts+=" test players docs"
+  [[ ,$steps, != *,tests,* ]] || parts+=" test players docs study"
   step set-up "${compiled:+apt-get -qq update; apt-get -qq install -y ccache;} tools/setup.sh $parts; "'g++ --version | sed -n "1s/^/result: /p"'
   step build 'meson setup build; ninja -C build play | tee /tmp/log; echo "result: $(grep -c warning: /tmp/log || true) warnings"'
   step film 'export XDG_RUNTIME_DIR=/tmp; GST_PLUGIN_PATH=$PWD/build/gst gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm

@@ -160,6 +160,8 @@ def marked_sessions_are_not_used(parent):
     assert "11 people analyzed" in said and "left out, as a session is marked: P05" in said, said
     compare([row for row in exported(folder) if row["participant"] != "P05"], folder / "report")
     assert "12 people analyzed" in run_study("report", folder, f"--output={folder}/report", "--with-marked")
+    run_study("forget", folder, "P05")
+    assert "P05" not in {row["participant"] for row in exported(folder)} and "P05    forgotten" in run_study("status", folder)
 
 
 def power_is_that_of_the_noncentral_f(parent):
@@ -197,8 +199,8 @@ def missing_packages_are_named(parent):
     assert answer.returncode == 1 and "r-base-core" in answer.stderr and "r-cran-afex" in answer.stderr, answer.stderr
     # R without its packages: a script in their place that says what requireNamespace() would.
     script = pathlib.Path(parent) / "r"
-    script.mkdir()
-    (script / "report.R").write_text("requireNamespace <- function(...) FALSE\n" + (pathlib.Path(os.environ["VISUOTACTILE_STUDY_R"]) / "report.R").read_text())
+    shutil.copytree(os.environ["VISUOTACTILE_STUDY_R"], script)
+    (script / "analysis.R").write_text("requireNamespace <- function(...) FALSE\n" + (script / "analysis.R").read_text())
     answer = subprocess.run([os.environ["STUDY"], "report", folder, f"--output={parent}/report"], env={**os.environ, "VISUOTACTILE_STUDY_R": str(script)}, capture_output=True, text=True)
     assert answer.returncode == 1 and "install r-cran-afex r-cran-emmeans" in answer.stderr, answer.stderr
 

@@ -97,6 +97,9 @@ def killed_at_every_page(driver):
                 again = servers[-1].state()
                 assert again["participant"] == "P01" and again["step"]["name"] == state["step"]["name"], (again, state)
             person.moved_to(servers[-1])
+            if "L1" in steps[-1]:
+                wait_until("the scale", lambda: driver.find_elements(By.CSS_SELECTOR, "#stage input[type=radio]"))
+                picture(driver, "questionlikert")
         person.go(before=kill)
         servers[-1].end()
         rows = exported(folder)

@@ -8,7 +8,7 @@
 
 namespace {
 
-/// Without a position for so long nothing is felt: docs/design/desk.md.
+/// Nothing is felt after so long without a position: docs/design/desk.md.
 constexpr follow::Time kPatience = std::chrono::seconds(1);
 constexpr guint kTick = 50; ///< ms; a chair takes cues 150 ms ahead of what its motors need
 
@@ -110,7 +110,7 @@ Feel::step()
 {
   const follow::Time now = local_time();
   auto step = follower_.step(estimator_.at(now), now, chair_.ahead());
-  if (!step.cues.empty()) // the film does not wait until what was felt is over
+  if (!step.cues.empty()) // the film ends a map that is still felt
     step.silence = std::exchange(has_felt_, false) || step.silence;
   chair_.take(step);
 }

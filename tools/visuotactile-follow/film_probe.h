@@ -30,7 +30,7 @@ public:
   FilmProbe(const FilmProbe &) = delete;
   FilmProbe &operator=(const FilmProbe &) = delete;
 
-  /// None while it looks, ten seconds at most.
+  /// None during the probe, which takes ten seconds at most.
   const std::optional<Result> &result() const
   {
     return result_;

@@ -288,7 +288,7 @@ Follower::reported(const std::string &key, const Report &report)
     open_chair();
 }
 
-/// Its own function calls this, so that it is removed by the next tick.
+/// A function of the player calls this; therefore the next tick removes the player.
 void
 Follower::gone(const std::string &key, const std::string &why)
 {

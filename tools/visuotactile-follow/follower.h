@@ -26,7 +26,7 @@ const char *word(follow::Doing doing);
 struct FollowSettings
 {
   std::string mpv_socket;                          ///< empty: none
-  bool insists_on_mpv = false;                     ///< say so when nobody is there
+  bool insists_on_mpv = false;                     ///< prints a message while mpv is missing
   std::string kodi;                                ///< HOST[:PORT]; empty: none
   bool insists_on_kodi = false;                    ///< likewise
   std::optional<FilmListener::Settings> listens{}; ///< none: it does not
@@ -41,7 +41,7 @@ struct FollowSettings
   bool quiet = false;
 };
 
-/// Follows one of the players that are there, by PlayerChoice. All on the main context's thread.
+/// Follows the player that PlayerChoice chooses. Main context's thread.
 class Follower
 {
 public:
@@ -67,7 +67,7 @@ private:
     bool was_paused = false; ///< and has not gone on yet
     bool has_played = false; ///< since it is there
     bool is_gone = false;
-    std::string told{}; ///< its fault or remark, as the user knows it
+    std::string told{}; ///< its fault or remark, as printed last
   };
 
   void look_around();
@@ -113,7 +113,7 @@ private:
   PlayerChoice choice_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played, or looked for
-  follow::Time position_{ 0 }; ///< of the film, as it was known last
+  follow::Time position_{ 0 }; ///< last known one of the film
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt
   Chair chair_;

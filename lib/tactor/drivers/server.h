@@ -13,7 +13,7 @@
 
 namespace tactor {
 
-/// A program that drives devices, and how to talk to it.
+/// A program that drives devices, and the connection to it.
 struct Server
 {
   std::string name; ///< for messages: "Intiface at 127.0.0.1:12345"

@@ -3,14 +3,7 @@
 # Usage: Rscript report.R FOLDER PUBLISHED.csv with-marked|without-marked
 
 options(error = quote(quit(status = 1))) # the last line is the error
-needed <- c("afex", "emmeans")
-missing <- needed[!vapply(needed, requireNamespace, logical(1), quietly = TRUE)]
-if (length(missing) > 0) {
-  message("the report needs R packages: install ", paste0("r-cran-", missing, collapse = " "))
-  quit(status = 1)
-}
-suppressMessages({ library(afex); library(emmeans) })
-afex_options(type = 3, correction_aov = "GG", es_aov = "ges", include_aov = FALSE)
+source(file.path(dirname(sub("^--file=", "", grep("^--file=", commandArgs(), value = TRUE)[1])), "analysis.R"))
 
 arguments <- commandArgs(trailingOnly = TRUE)
 folder <- arguments[1]
@@ -49,50 +42,7 @@ questions <- intersect(entries("question")$name, unique(used$question))
 p_text <- function(p) ifelse(is.na(p), "", ifelse(p < 0.001, "< .001", sub("^0", "", sprintf("%.3f", p))))
 number <- function(x, digits = 2) ifelse(is.na(x), "", formatC(x, digits = digits, format = "f"))
 
-# Means and standard errors over people, in each combination of levels.
-means_of <- function(data) {
-  factors <- c(within_all, between_all)
-  groups <- split(data, data[factors], drop = TRUE)
-  rows <- lapply(groups, function(cell) {
-    of_person <- tapply(cell$value, cell$participant, mean)
-    cbind(cell[1, factors, drop = FALSE], n = length(of_person), mean = mean(of_person), se = sd(of_person) / sqrt(length(of_person)))
-  })
-  do.call(rbind, c(rows, make.row.names = FALSE))
-}
-
-# One question: the analysis of variance, its comparisons, and why there is none.
-analyze <- function(question) {
-  data <- used[used$question == question, ]
-  varies <- function(name) length(unique(data[[name]])) > 1
-  within <- Filter(varies, within_all)
-  between <- Filter(varies, between_all)
-  result <- list(question = question, means = cbind(question = question, means_of(data)))
-  for (name in c(within, between))
-    data[[name]] <- droplevels(data[[name]])
-  if (length(within) + length(between) == 0)
-    return(c(result, why = "it was answered under one condition"))
-  if (sd(data$value) == 0)
-    return(c(result, why = "all answers are equal"))
-  model <- tryCatch(
-    suppressWarnings(suppressMessages(aov_ez("participant", "value", data, within = if (length(within)) within, between = if (length(between)) between))),
-    error = function(e) conditionMessage(e))
-  if (is.character(model))
-    return(c(result, why = model))
-  table <- as.data.frame(suppressWarnings(anova(model, es = "ges", correction = "GG")))
-  partial <- as.data.frame(suppressWarnings(anova(model, es = "pes", correction = "GG")))
-  result$anova <- data.frame(question = question, effect = rownames(table), df1 = table[["num Df"]], df2 = table[["den Df"]], F = table[["F"]],
-                             p = table[["Pr(>F)"]], ges = table[["ges"]], pes = partial[["pes"]])
-  comparisons <- lapply(c(within, between), function(name) {
-    if (nlevels(data[[name]]) < 3)
-      return(NULL)
-    pairs <- as.data.frame(summary(suppressMessages(pairs(emmeans(model, name, model = "multivariate"), adjust = "holm"))))
-    data.frame(question = question, factor = name, contrast = as.character(pairs$contrast), difference = pairs$estimate, se = pairs$SE,
-               t = pairs$t.ratio, df = pairs$df, p = pairs$p.value)
-  })
-  result$comparisons <- do.call(rbind, comparisons)
-  result
-}
-results <- lapply(questions, analyze)
+results <- lapply(questions, function(question) analyze(question, used[used$question == question, ], within_all, between_all))
 bind <- function(part) do.call(rbind, lapply(results, `[[`, part))
 anovas <- bind("anova")
 means <- bind("means")
