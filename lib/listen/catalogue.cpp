@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 namespace listen {
@@ -129,8 +130,11 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
   return found;
 }
 
-Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes) : films_(std::move(films))
+Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
+                     const std::function<bool()> &stops)
+    : films_(std::move(films))
 {
+  remove_copies();
   if (films_.size() > kMostFilms)
     films_.erase(films_.begin() + kMostFilms, films_.end());
   std::vector<std::int64_t> frames;
@@ -138,8 +142,49 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes) : films_(
   for (const Entry &film : films_)
     frames.push_back(static_cast<std::int64_t>(film.steps() * Onsets::kHop / PeakFinder::kHop));
   index_ = HashIndex(
-      frames, [this](std::size_t film, unsigned rank) { return films_[film].hashes(rank); },
+      frames,
+      [&](std::size_t film, unsigned rank) {
+        return stops && stops() ? std::vector<RankedHash>{} : films_[film].hashes(rank);
+      },
       most_bytes);
+  if (const std::size_t left = films_.size() - index_.films(); left > 0)
+    complaints_.push_back(std::to_string(left) + " of " + std::to_string(films_.size())
+                          + " films are not listened for, as the memory for the others is full");
+}
+
+/// Films with the same sound cannot be told apart: the first one counts.
+void
+Catalogue::remove_copies()
+{
+  const auto is_copy = [](const Entry &one, const Entry &other) {
+    constexpr std::size_t kPieces = 16;
+    constexpr std::size_t kPiece = 256; // steps
+    for (std::size_t i = 0; i < kPieces; i++) {
+      const auto from = static_cast<std::int64_t>(one.steps() * i / kPieces);
+      const auto reference = one.reference(from, kPiece);
+      if (!reference || reference != other.reference(from, kPiece))
+        return false;
+    }
+    return true;
+  };
+  std::multimap<std::size_t, std::size_t> kept; // by steps
+  std::vector<Entry> films;
+  films.reserve(films_.size());
+  for (Entry &film : films_) {
+    const auto [begin, end] = kept.equal_range(film.steps());
+    const auto first = std::find_if(
+        begin, end, [&](const auto &other) { return is_copy(film, films[other.second]); });
+    if (first != end) {
+      complaints_.push_back("'" + film.film() + "' with '" + film.track_name()
+                            + "' has the sound of '" + films[first->second].film() + "' with '"
+                            + films[first->second].track_name()
+                            + "', which comes first; keep only one of the two entries");
+      continue;
+    }
+    kept.emplace(film.steps(), films.size());
+    films.push_back(std::move(film));
+  }
+  films_ = std::move(films);
 }
 
 } // namespace listen

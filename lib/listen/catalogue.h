@@ -63,7 +63,9 @@ public:
   static constexpr std::size_t kMostFilms = 20'000;
 
   Catalogue() = default;
-  explicit Catalogue(std::vector<Entry> films, std::size_t most_bytes = kMostBytes);
+  /// `stops`: whether to give up, with films that are not found.
+  explicit Catalogue(std::vector<Entry> films, std::size_t most_bytes = kMostBytes,
+                     const std::function<bool()> &stops = {});
 
   const std::vector<Entry> &films() const
   {
@@ -73,9 +75,17 @@ public:
   {
     return index_;
   }
+  /// Films that cannot be found, for the user.
+  const std::vector<std::string> &complaints() const
+  {
+    return complaints_;
+  }
 
 private:
+  void remove_copies();
+
   std::vector<Entry> films_;
+  std::vector<std::string> complaints_;
   HashIndex index_;
 };
 

@@ -7,6 +7,7 @@
 #include "follow_service.h"
 #include "player_choice.h"
 #include "player_timing.h"
+#include "retry.h"
 #include "session_watch.h"
 
 #include "follow/players/kodi_player.h"
@@ -127,6 +128,9 @@ private:
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;
   bool looks_for_kodi_ = true;
-  bool listens_;
+  bool listens_; ///< until a file has ended
+  Retry listening_;
+  std::string not_heard_; ///< why it failed to listen, as the user knows it
+  std::shared_ptr<const listen::Catalogue> catalogue_;
   bool lists_ = false; ///< the players, and follows none
 };
