@@ -15,8 +15,8 @@
 class FrameTap
 {
 public:
-  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. Flushes reach
-  /// the gate. `changed` is called when ended() or pixels() may have changed.
+  /// `watched` is a sink pad, `branch` one that drops data that it cannot take in time. Flushes
+  /// reach the gate. `changed` is called when ended() or pixels() may have changed.
   FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;

@@ -15,7 +15,7 @@ namespace library {
 /// A film's track, and where it was found.
 struct FoundTrack
 {
-  std::string path; ///< or an address
+  std::string path; ///< path or address of the track
   tactile::Track track{};
   std::string fault{};                  ///< why it cannot be read; empty: it can
   std::optional<FileVersion> version{}; ///< of a faulty file, before it was read

@@ -21,7 +21,7 @@ struct IndexEntry
   visuotactile::Time duration{ 0 }; ///< end of the track
   std::string film;                 ///< name of the film's file; empty: unknown
   std::string content;              ///< film_content(); empty: unknown
-  std::string heard{};     ///< its entry of films by their sound, a path likewise; empty: none
+  std::string heard{}; ///< its entry of films by their sound, a path below the index; empty: none
   std::string heard_sum{}; ///< content_sum() of that
 };
 

@@ -21,9 +21,9 @@ inline constexpr std::size_t kMostEntry = std::size_t{ 32 } << 20;
 /// A film in the catalogue, to be written.
 struct NewEntry
 {
-  std::string film{};       ///< its name
+  std::string film{};       ///< name of the film
   std::string track_name{}; ///< name of the track's file, whose ending is its format
-  std::string track{};      ///< its content
+  std::string track{};      ///< content of the track's file
   Time duration{ 0 };       ///< of the film
   FilmSound sound{};
 };

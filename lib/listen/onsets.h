@@ -17,7 +17,7 @@ inline constexpr std::size_t kBands = 8;
 using Onset = std::array<float, kBands>;
 
 /// Computes kOnsetRate onsets a second from sound at kRate. A film's reference has only their
-/// signs, from which nobody can restore the sound.
+/// signs, from which the sound cannot be restored.
 class Onsets
 {
 public:

@@ -13,7 +13,7 @@
 class UserDefaults
 {
 public:
-  /// Of nobody: fills nothing.
+  /// Without settings: fills nothing.
   UserDefaults() = default;
   /// Reads the settings. Prints a line for each entry that cannot be read.
   explicit UserDefaults(const char *program);

@@ -64,7 +64,8 @@ start_of(const fs::path &playlist)
   return std::llround(start * kClock);
 }
 
-/// The cues of a stretch as a segment. A cue that goes on is cut, so that each is played once.
+/// The cues of a stretch as a segment. A cue beyond the end is cut, so that each part is played
+/// once.
 std::string
 segment_text(const std::deque<tactile::Cue> &cues, const tactile::Track &track, std::int64_t start,
              Time begin, Time end)
@@ -93,7 +94,7 @@ struct Stream
 };
 
 /// Writes the segments, after the first call only new ones, and the rendition's playlist. A live
-/// stream goes on from what an earlier call left. Returns whether the stream has ended.
+/// stream continues from the end of the last call. Returns whether the stream has ended.
 bool
 update(const Stream &stream, const tactile::Track &track, const std::deque<tactile::Cue> &cues,
        bool is_first_call)

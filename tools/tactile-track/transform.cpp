@@ -57,8 +57,8 @@ read_file(const std::string &path, const std::string &clip = "")
            .ignored = std::move(ignored) };
 }
 
-/// Writes what became of a track. From WebVTT to WebVTT, what was not changed stays as it is; from
-/// funscript to funscript, other axes and what other tools added.
+/// Writes a changed track. From WebVTT to WebVTT, unchanged parts stay as they are; from funscript
+/// to funscript, other axes and the additions of other tools.
 void
 write_file(const TrackFile &file, const Track &track, Time offset, const std::string &path)
 {
@@ -81,14 +81,16 @@ losses(const Track &track, const std::string &path)
   if (!read) // a format that is not read
     return {};
   const Track &written = *read;
+  const bool has_lost_frequencies = has_frequency(track) && !has_frequency(written);
   std::vector<std::string> lost;
   if (written.rows() != track.rows() || written.columns() != track.columns())
     lost.push_back("the place of each vibration: it has the strongest cell of "
                    + std::to_string(track.rows() * track.columns()));
-  else if (!diff(written, track).value_or(std::vector<tactile::Difference>()).empty())
+  else if (const auto differs = diff(written, has_lost_frequencies ? tune(track, 0) : track);
+           differs && !differs->empty())
     lost.emplace_back(
         "times finer than 1 ms, levels finer than 1 % or frequencies finer than 1 Hz");
-  if (has_frequency(track) && !has_frequency(written))
+  if (has_lost_frequencies)
     lost.emplace_back("the frequencies");
   if (track.rate() != 0 && written.rate() == 0)
     lost.emplace_back("the rate");

@@ -71,7 +71,7 @@ public:
   static std::string source_name(const std::string &source);
 
 private:
-  /// Of the listening thread, for the main context's.
+  /// News from the listening thread for the main context's.
   struct News
   {
     std::optional<listen::Heard> heard{};

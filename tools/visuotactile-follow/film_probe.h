@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-/// Looks into a film's file without waiting for it. Of the main context's thread.
+/// Probes a film's file without waiting for it. Main context's thread.
 class FilmProbe
 {
 public:

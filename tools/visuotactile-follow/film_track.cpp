@@ -13,7 +13,7 @@ using follow::Time;
 
 namespace {
 
-/// Of all threads.
+/// The CPU time of all threads.
 Time
 cpu_time()
 {
@@ -160,7 +160,7 @@ FilmTrack::stop_at(const library::FoundTrack &faulty)
                + fault_ + "; mend it, or pass it over with visuotactile-follow --pass-over");
 }
 
-/// Since the faulty file was read.
+/// Whether the file has changed since the faulty track was read.
 bool
 FilmTrack::has_changed(const std::string &path) const
 {

@@ -39,7 +39,7 @@ public:
 
   FilmTrack(Settings settings, Events events);
 
-  /// Drops the track, and searches that of `film`, the name that a player reports; empty: none.
+  /// Drops the track, and searches for that of `film`, the name that a player reports; empty: none.
   /// `known`: the track, if the player has it.
   void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr);
 

@@ -194,7 +194,7 @@ Follower::look_for_players()
   look_for_sound();
 }
 
-/// Not while nobody is in the chair.
+/// Does nothing while nobody is in the chair.
 void
 Follower::look_for_sound()
 {
@@ -280,7 +280,8 @@ Follower::reported(const std::string &key, const Report &report)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.estimator.report(report);
-  // Not the next film of a list, nor a player of music behind the locked screen.
+  // Only a paused film that continues ends a lock: not the next film of a list, nor a music player
+  // behind the locked screen.
   Followed &player = found->second;
   const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
   const bool begins = !player.has_played && report.doing == Doing::playing;
@@ -387,7 +388,7 @@ Follower::chair_failed(const std::string &text)
     tell("the chair is not there yet: " + text);
 }
 
-/// Nobody is in the chair, or somebody is again.
+/// Silences the chair while nobody is in it.
 void
 Follower::rest(bool rests, const std::string &why)
 {

@@ -29,15 +29,15 @@ struct FollowSettings
   std::string mpv_socket;                          ///< empty: none
   bool insists_on_mpv = false;                     ///< prints a message while mpv is missing
   std::string kodi;                                ///< HOST[:PORT]; empty: none
-  bool insists_on_kodi = false;                    ///< likewise
+  bool insists_on_kodi = false;                    ///< prints a message while Kodi is missing
   std::optional<FilmListener::Settings> listens{}; ///< none: it does not
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
   std::string sink;                       ///< as on a launch line
   std::optional<SyncTo> sync_to{};        ///< none: as is set for each kind of player
-  std::optional<double> screen_latency{}; ///< ms, of all players; none: likewise
-  std::optional<double> sound_latency{};  ///< likewise, or as it was measured
+  std::optional<double> screen_latency{}; ///< ms, of all players; none: as set for each kind
+  std::optional<double> sound_latency{};  ///< ms; none: as set or measured for each kind
   bool once = false;                      ///< ends when a player is gone
   bool quiet = false;
 };
@@ -65,8 +65,8 @@ private:
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
     follow::Time found{ 0 }; ///< its newest report of a leap, or of a film found
-    bool was_paused = false; ///< and has not gone on yet
-    bool has_played = false; ///< since it is there
+    bool was_paused = false; ///< paused, and has not continued yet
+    bool has_played = false; ///< since it appeared
     bool is_gone = false;
     std::string told{}; ///< its fault or remark, as printed last
   };
@@ -113,7 +113,7 @@ private:
   std::map<std::string, Followed> players_;
   PlayerChoice choice_;
   Followed *current_ = nullptr;
-  std::string film_;           ///< whose track is played, or looked for
+  std::string film_;           ///< whose track is played or searched for
   follow::Time position_{ 0 }; ///< last known one of the film
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt

@@ -129,7 +129,7 @@ protected:
 
   virtual void sought() = 0;
 
-  /// By the thread that takes maps.
+  /// Called by the thread that takes maps.
   void find_fault(std::string fault)
   {
     is_faulty_ = is_faulty_ || failure_.empty();
@@ -155,7 +155,7 @@ private:
   std::atomic<bool> is_open_{ false };
 };
 
-/// One thread, so that one core is the most.
+/// Limits the element to one thread, and thus one core.
 void
 use_one_thread(GstElement *element)
 {

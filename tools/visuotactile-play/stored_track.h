@@ -11,7 +11,7 @@
 class StoredTrack
 {
 public:
-  /// Looks beside the film, then in a library (lib/library). None: there is no track. Throws
+  /// Searches beside the film, then in a library (lib/library). None: there is no track. Throws
   /// std::runtime_error if the track is faulty or the library cannot be read.
   static std::optional<StoredTrack> find(const Film &film, const std::string &tracks);
 

@@ -197,7 +197,7 @@ FilmPlay::on_message(GstMessage *message)
   return G_SOURCE_CONTINUE;
 }
 
-/// By the sink of the picture.
+/// Reads the statistics of the picture's sink.
 void
 FilmPlay::count_frames()
 {

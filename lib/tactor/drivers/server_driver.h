@@ -28,8 +28,8 @@ public:
     Time answer = std::chrono::seconds(5); ///< for the connection to be open
     Time host_silence = std::chrono::milliseconds(250);
     Time refresh = std::chrono::milliseconds(80); ///< how often write() is called while one is on
-    /// Until a lost server is looked for. Doubles up to the longest, and begins anew after a
-    /// connection that lasted longer than that.
+    /// Pause before a lost server is searched for. Doubles up to the longest, and begins anew after
+    /// a connection that lasted longer than that.
     Time look_again = std::chrono::seconds(1);
     Time longest_look_again = std::chrono::seconds(16);
     /// A server that sends more messages than these in a second is left.

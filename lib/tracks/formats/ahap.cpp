@@ -32,7 +32,7 @@ public:
   {
   }
 
-  /// Takes over from what is there at the first point's time.
+  /// Continues from the level at the first point's time.
   void add(const Points &points)
   {
     if (points.empty())

@@ -66,7 +66,7 @@ public:
   /// The object at the top.
   JsonMembers root(FirstError &error) const;
 
-  /// The document, with what was set in it.
+  /// The document, with the values that were set.
   std::string text() const;
 
 private:

@@ -218,7 +218,7 @@ WebvttText::cues() const
   return cues;
 }
 
-/// Which piece each cue was, in their order; nullptr: none.
+/// The original piece of each cue, in order; nullptr: none.
 std::vector<const WebvttText::Piece *>
 WebvttText::origins(const std::vector<WebvttCue> &cues) const
 {
