@@ -19,7 +19,7 @@ namespace {
 
 /// `seconds` of film with `count` hashes at `frame`.
 listen::FilmSound
-sound(std::size_t seconds, int count, std::int64_t frame = 0)
+crowd(std::size_t seconds, int count, std::int64_t frame = 0)
 {
   listen::FilmSound made{ .reference = std::vector<std::uint8_t>(250 * seconds) };
   for (int i = 0; i < count; i++)
@@ -48,7 +48,7 @@ GST_START_TEST(test_files)
   for (int i = 0; i < 200; i++) {
     const std::string name = std::to_string(i) + ".heard";
     films.push_back(
-        unwrap(listen::Entry::open(folder.file(name.c_str(), entry(name, sound(1, 3))))));
+        unwrap(listen::Entry::open(folder.file(name.c_str(), entry(name, crowd(1, 3))))));
   }
   const listen::Catalogue catalogue(std::move(films));
   for (const listen::Entry &film : catalogue.films()) {
@@ -63,10 +63,10 @@ GST_END_TEST;
 GST_START_TEST(test_replaced)
 {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.heard", entry("a", sound(1, 3)));
+  const std::string path = folder.file("a.heard", entry("a", crowd(1, 3)));
   const auto film = unwrap(listen::Entry::open(path));
   fail_unless(film.track() == "track of a");
-  std::filesystem::rename(folder.file("b.heard", entry("b", sound(1, 3))), path);
+  std::filesystem::rename(folder.file("b.heard", entry("b", crowd(1, 3))), path);
   fail_if(film.track().has_value() || film.reference(0, 10).has_value());
   fail_unless(film.hashes(0).empty());
   std::filesystem::remove(path);
@@ -77,11 +77,11 @@ GST_END_TEST;
 /// Of a second no more hashes count than tactile-track learn writes.
 GST_START_TEST(test_crowded)
 {
-  const auto film = unwrap(listen::Entry::of(entry("a", sound(2, 100'000, 70))));
+  const auto film = unwrap(listen::Entry::of(entry("a", crowd(2, 100'000, 70))));
   for (unsigned rank = 0; rank < listen::kRanks; rank++)
     fail_unless(film.hashes(rank).size() == static_cast<std::size_t>(listen::kOfRank[rank]),
                 "rank %u: %zu", rank, film.hashes(rank).size());
-  const listen::Catalogue catalogue({ film });
+  const listen::Catalogue catalogue(std::vector<listen::Entry>{ film });
   fail_unless(catalogue.index().bytes() < (std::size_t{ 3 } << 20), "%zu bytes",
               catalogue.index().bytes());
 }
