@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <string_view>
 #include <utility>
 
 namespace listen {
@@ -156,32 +157,29 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
 void
 Catalogue::remove_copies()
 {
-  const auto is_copy = [](const Entry &one, const Entry &other) {
-    constexpr std::size_t kPieces = 16;
-    constexpr std::size_t kPiece = 256; // steps
-    for (std::size_t i = 0; i < kPieces; i++) {
-      const auto from = static_cast<std::int64_t>(one.steps() * i / kPieces);
-      const auto reference = one.reference(from, kPiece);
-      if (!reference || reference != other.reference(from, kPiece))
-        return false;
-    }
-    return true;
+  // The sound at 16 moments, of 1 s each.
+  const auto sample = [](const Entry &film) {
+    constexpr std::size_t kMoments = 16;
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t i = 0; i < kMoments; i++)
+      if (const auto moment = film.reference(static_cast<std::int64_t>(film.steps() * i / kMoments),
+                                             Onsets::kOnsetRate))
+        bytes.insert(bytes.end(), moment->begin(), moment->end());
+    return std::hash<std::string_view>()(
+        { reinterpret_cast<const char *>(bytes.data()), bytes.size() });
   };
-  std::multimap<std::size_t, std::size_t> kept; // by steps
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> kept; // by steps and sample
   std::vector<Entry> films;
   films.reserve(films_.size());
   for (Entry &film : films_) {
-    const auto [begin, end] = kept.equal_range(film.steps());
-    const auto first = std::find_if(
-        begin, end, [&](const auto &other) { return is_copy(film, films[other.second]); });
-    if (first != end) {
+    const auto [first, is_new] = kept.try_emplace({ film.steps(), sample(film) }, films.size());
+    if (!is_new) {
       complaints_.push_back("'" + film.film() + "' with '" + film.track_name()
                             + "' has the sound of '" + films[first->second].film() + "' with '"
                             + films[first->second].track_name()
                             + "', which comes first; keep only one of the two entries");
       continue;
     }
-    kept.emplace(film.steps(), films.size());
     films.push_back(std::move(film));
   }
   films_ = std::move(films);

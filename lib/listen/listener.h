@@ -50,6 +50,7 @@ private:
     double rate = 1;              ///< nominal
     double origin = 0;            ///< step of the film at step 0 of the heard sound
     std::deque<double> origins{}; ///< the last measured ones; `origin` is their median
+    int looks = 0;                ///< comparisons so far
     int misses = 0;               ///< comparisons in a row that did not fit
     int absent = 0;               ///< likewise, of the newest sound alone
     double present = 0;           ///< share of comparisons that fit it
@@ -61,6 +62,7 @@ private:
   void look_up(double rate, std::vector<Candidate> &found) const;
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
+  void look_around();
   std::optional<Fit> fit_at(std::size_t film, double rate, double step, std::int64_t onsets,
                             int reach) const;
   Heard heard(const Lock &lock, double score) const;

@@ -47,10 +47,11 @@ GST_START_TEST(test_files)
   std::vector<listen::Entry> films;
   for (int i = 0; i < 200; i++) {
     const std::string name = std::to_string(i) + ".heard";
-    films.push_back(
-        unwrap(listen::Entry::open(folder.file(name.c_str(), entry(name, crowd(1, 3))))));
+    films.push_back(unwrap(listen::Entry::open(
+        folder.file(name.c_str(), entry(name, crowd(static_cast<std::size_t>(i) + 1, 3))))));
   }
   const listen::Catalogue catalogue(std::move(films));
+  fail_unless(catalogue.films().size() == 200);
   for (const listen::Entry &film : catalogue.films()) {
     fail_unless(film.track() == "track of " + film.film());
     fail_unless(film.hashes(0).size() == 3);
