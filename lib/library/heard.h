@@ -23,8 +23,8 @@ std::vector<listen::Entry> heard_entries(const std::string &where,
 /// Bytes of a server's entries, and of the cache.
 inline constexpr std::uintmax_t kMostHeard = std::uintmax_t{ 8 } << 30;
 
-/// Removes files of the cache beyond `most_bytes`, the one that was used last at last, and none that
-/// is in use.
+/// Removes files of the cache beyond `most_bytes`, but none in use; the one that was used last is
+/// removed last.
 void remove_unused(const std::string &folder, const std::set<std::string> &used,
                    std::uintmax_t most_bytes);
 

@@ -153,7 +153,7 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
                           + " films are not listened for, as the memory for the others is full");
 }
 
-/// Films with the same sound cannot be told apart: the first one counts.
+/// Films with the same sound cannot be distinguished: the first one counts.
 void
 Catalogue::remove_copies()
 {

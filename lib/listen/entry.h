@@ -35,8 +35,8 @@ tl::expected<std::string, std::string> write_entry(const NewEntry &entry);
 class Entry
 {
 public:
-  /// Opens a file. Each read opens it again: a catalogue has more files than a process may have open.
-  /// The error is one line without the file's name.
+  /// Opens a file. Each read opens it again: a catalogue has more files than a process may have
+  /// open. The error is one line without the file's name.
   static tl::expected<Entry, std::string> open(const std::string &path);
   /// Reads the content of a file.
   static tl::expected<Entry, std::string> of(std::string bytes);
