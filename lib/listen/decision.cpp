@@ -12,9 +12,8 @@ namespace {
 
 // Scores. Chance reaches 4.5 in one of ten searches, and 5.5 seldom.
 constexpr double kSure = 7;
-constexpr double kLikely = 5.7; ///< if it is so for a while
-constexpr std::int64_t kAWhile
-    = 3 * Onsets::kOnsetRate;   ///< a third of the sound of a search is new
+constexpr double kLikely = 5.7;                              ///< if it is so for a while
+constexpr std::int64_t kAWhile = 3 * Onsets::kOnsetRate / 2; ///< steps: 1.5 s
 constexpr double kAlike = 0.75; ///< of the best one: another place is as good
 
 } // namespace

@@ -94,7 +94,7 @@ GST_START_TEST(test_room)
   constexpr std::size_t kMost = std::size_t{ 3 } << 20;
   const std::vector<std::int64_t> films(2000, 62 * 600);
   const listen::HashIndex index(
-      films, [](std::size_t, unsigned) { return std::vector<listen::RankedHash>(1800); }, kMost);
+      films, [](std::size_t, unsigned) { return std::vector<listen::RankedHash>(1780); }, kMost);
   fail_unless(index.bytes() <= kMost, "%zu bytes", index.bytes());
   fail_unless(index.films() > 50 && index.films() < 200, "%zu films", index.films());
 }
