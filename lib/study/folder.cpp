@@ -117,7 +117,7 @@ Folder::read_participants()
       return tl::unexpected("'" + data(name + kEnding)
                             + "' is damaged; expected a journal of visuotactile-study");
     if (content->entries.empty())
-      continue; // cut off before the participant began
+      continue; // the program ended before the participant began
     auto participant = Participant::read(name, content->base, content->entries);
     if (!participant)
       return tl::unexpected("'" + data("") + "': " + participant.error());
@@ -194,7 +194,7 @@ Folder::start(const std::string &program)
 tl::expected<void, std::string>
 Folder::add(Participant &participant, const Event &event)
 {
-  // An event that does not fit is not written, and one that is not written is not in memory.
+  // Only an event that fits is written, and only a written one is kept in memory.
   std::vector<std::string> lines = participant.lines();
   lines.push_back(event.line());
   auto next = Participant::read(participant.name(), participant.text(), lines);

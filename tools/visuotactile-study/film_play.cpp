@@ -113,7 +113,7 @@ FilmPlay::~FilmPlay()
 {
   if (watch_ != 0)
     g_source_remove(watch_);
-  if (pipeline_) // before the probe's object is gone
+  if (pipeline_) // before the object that the probe uses is deleted
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
 }
 
@@ -197,7 +197,7 @@ FilmPlay::on_message(GstMessage *message)
   return G_SOURCE_CONTINUE;
 }
 
-/// By the sink of the picture.
+/// Reads the statistics of the picture's sink.
 void
 FilmPlay::count_frames()
 {
@@ -244,7 +244,7 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   }
   noise_.reset();
-  count_frames();                                           // they are gone after PLAYING
+  count_frames();                                           // the counts are lost after PLAYING
   gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
   result_.outcome = outcome;
   result_.text = text;
