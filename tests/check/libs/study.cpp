@@ -549,6 +549,7 @@ study_suite(void)
   Suite *suite = suite_create("study");
   TCase *tests = tcase_create("study");
   suite_add_tcase(suite, tests);
+  tcase_set_timeout(tests, 120); // each event is written to the disk
   tcase_add_test(tests, test_williams_squares);
   tcase_add_test(tests, test_places_are_even);
   tcase_add_test(tests, test_places_are_given_again);
