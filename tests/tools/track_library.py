@@ -106,7 +106,7 @@ def play(name, folder):
         return done.stderr, [(int(row["effect_ns"]) // 1000000, round(float(row["volts"]), 2)) for row in csv.DictReader(file)]
 
 
-expect(play("analysed", work / "empty")[0], "Of it.vtt", "there is no track", "the analysis")
+expect(play("analyzed", work / "empty")[0], "Of it.vtt", "there is no track", "the analysis")
 (work / "empty" / "Of it.csv").write_text(
     "# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n500,0.5\n580,0\n740,0.75\n820,0\n1800,0\n", encoding="utf-8")
 short = play("short", work / "empty")[1]
