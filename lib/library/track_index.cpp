@@ -67,7 +67,9 @@ read_index(std::string_view text)
       return tl::unexpected(place + "an object");
     IndexEntry entry{ .file = json::name_of_file(object, "file"),
                       .film = json::name_of_file(object, "film"),
-                      .content = json::name_of_file(object, "content") };
+                      .content = json::name_of_file(object, "content"),
+                      .heard = json::name_of_file(object, "heard"),
+                      .heard_sum = json::name_of_file(object, "heard_sum") };
     const double duration = json::number(object, "duration").value_or(-1);
     if (!is_below(entry.file))
       return tl::unexpected(place + "'file', a path below the index without '..'");
@@ -75,6 +77,10 @@ read_index(std::string_view text)
       return tl::unexpected(place + "'film', the name of a file");
     if (!is_sum(entry.content))
       return tl::unexpected(place + "'content', 64 hexadecimal digits");
+    if (!entry.heard.empty() && !is_below(entry.heard))
+      return tl::unexpected(place + "'heard', a path below the index without '..'");
+    if (!is_sum(entry.heard_sum) || entry.heard.empty() != entry.heard_sum.empty())
+      return tl::unexpected(place + "'heard_sum', 64 hexadecimal digits, with 'heard'");
     if (!(duration >= 0 && duration <= kLongest))
       return tl::unexpected(place + "'duration', seconds up to 100 hours");
     entry.duration = visuotactile::Time(std::llround(duration * 1e9));
@@ -103,6 +109,8 @@ write_index(const std::vector<IndexEntry> &entries)
     json_builder_add_double_value(builder, static_cast<double>(entry.duration.count()) / 1e9);
     add("film", entry.film);
     add("content", entry.content);
+    add("heard", entry.heard);
+    add("heard_sum", entry.heard_sum);
     json_builder_end_object(builder);
   }
   json_builder_end_array(builder);

@@ -21,10 +21,13 @@ struct IndexEntry
   visuotactile::Time duration{ 0 }; ///< end of the track
   std::string film;                 ///< name of the film's file; empty: unknown
   std::string content;              ///< film_content(); empty: unknown
+  std::string heard{};     ///< its entry of films by their sound, a path likewise; empty: none
+  std::string heard_sum{}; ///< content_sum() of that
 };
 
 /// Reads an index: {"tracks": [{"file": "a.vtt", "duration": 12.5, "film": "a.mkv", "content":
-/// "0f…"}]}, at most 8 MiB and 100 000 tracks. The error says what was expected and where.
+/// "0f…", "heard": "a.heard", "heard_sum": "1e…"}]}, at most 8 MiB and 100 000 tracks. The
+/// error says what was expected and where.
 tl::expected<std::vector<IndexEntry>, std::string> read_index(std::string_view text);
 
 /// Writes it.

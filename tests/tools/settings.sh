@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # visuotactile-settings, and what programs make of it: the decoder's rank, and whether decodebin
 # takes it.
-# Expects the program SETTINGS and the plugins on GST_PLUGIN_PATH.
+# Expects the programs SETTINGS, PLAY and TRACK, and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 : "${SETTINGS:?the path of visuotactile-settings}"
 work=$(mktemp -d)
@@ -102,4 +102,50 @@ expect 0 test --driver=simulator
 [ "$(cat said)" = "$(printf 'simulated, as the driver is the simulator\nrow 1, column 1\nrow 1, column 2')" ] || fail "expected two tactors: $(cat said)"
 expect 1 test --driver=nothing
 said nothing
+
+# ---- the project's own programs ----
+# line OPTION...: of visuotactile-play
+line() {
+  "$PLAY" --print-pipeline "$@" >line 2>said || fail "visuotactile-play --print-pipeline $*: $(cat said)"
+}
+# has TEXT; lacks TEXT
+has() {
+  grep -qF -- "$1" line || fail "expected '$1' in: $(cat line)"
+}
+lacks() {
+  ! grep -qF -- "$1" line || fail "'$1' is not expected in: $(cat line)"
+}
+expect 0 unset mute grid
+line
+lacks intensity=
+[ -s said ] && fail "without settings it says: $(cat said)"
+expect 0 set driver=simulator grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast sound=music
+line
+for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
+  has "$setting"
+done
+said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, grid=2x4, intensity=0.5, mute=true, sensitivity=2, density=0.25, people=fast, sound=music"
+# Options override them.
+line --intensity=1 --rows=3 --people=off --sound=off
+has rows=3
+for setting in intensity= people=; do
+  lacks "$setting"
+done
+said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, mute=true, sensitivity=2, density=0.25"
+# A mapping and a grid are of the user's driver, and not of another.
+line --driver=gamepad
+has driver=gamepad
+has intensity=0.5
+lacks mapping
+lacks rows=
+line --quiet
+[ -s said ] && fail "with --quiet it says: $(cat said)"
+# A section of its own.
+expect 0 set --program=visuotactile-play intensity=0.25
+line
+has intensity=0.25
+if [ -n "${VISUOTACTILE_DESK:-}" ]; then
+  "$TRACK" desk --no-browser "$work/none.mkv" >said 2>&1 && fail "a desk without a film ends with 0"
+  said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true"
+fi
 echo "settings are as the programs take them"

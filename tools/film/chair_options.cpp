@@ -3,12 +3,23 @@
 
 #include "pipeline.h"
 
+void
+ChairOptions::fill(UserDefaults &defaults)
+{
+  defaults.fill("driver", driver);
+  defaults.fill_of_driver("device", device);
+  defaults.fill_of_driver("mapping", mapping);
+  defaults.fill_of_driver("calibration", calibration);
+  defaults.fill("intensity", intensity);
+  defaults.fill("mute", mute);
+}
+
 std::array<GOptionEntry, 7>
 ChairOptions::entries()
 {
   return { {
       { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-        "Driver of tactorsink (default: auto)", "NAME" },
+        "Driver of tactorsink (default: the user's, else auto)", "NAME" },
       { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Device of the driver", "ID" },
       { "mapping", 0, 0, G_OPTION_ARG_STRING, &mapping.value, "Tactor of each cell, such as 2,1,0",
         "TACTORS" },
@@ -23,10 +34,11 @@ ChairOptions::entries()
 }
 
 void
-ChairOptions::check() const
+ChairOptions::check(UserDefaults &defaults) const
 {
   if (!(intensity >= 0 && intensity <= 1))
     throw UsageError("--intensity is a number from 0 to 1");
+  defaults.keep_to_driver(driver.text());
 }
 
 std::string
@@ -39,6 +51,8 @@ ChairOptions::sink_line() const
     if (option.is_set())
       line += std::string(" ") + property + "=" + launch_value(option.text());
   };
+  if (mute)
+    line += " mute=true";
   add("device", device);
   add("mapping", mapping);
   add("calibration", calibration);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "command_line.h"
+#include "user_defaults.h"
 
 #include <array>
 #include <string>
@@ -15,11 +16,14 @@ struct ChairOptions
   TextOption calibration{};
   TextOption trace{};
   gdouble intensity = 1;
+  gboolean mute = FALSE; ///< a setting of the user alone
 
+  /// Before the command line is read.
+  void fill(UserDefaults &defaults);
   /// For Usage::more. They point into this object.
   std::array<GOptionEntry, 7> entries();
-  /// Throws UsageError.
-  void check() const;
+  /// After it. Throws UsageError.
+  void check(UserDefaults &defaults) const;
   /// The launch line of a tactorsink.
   std::string sink_line() const;
 };

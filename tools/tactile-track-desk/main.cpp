@@ -130,7 +130,10 @@ main(int argc, char **argv)
 {
   try {
     DeskOptions options;
-    read_desk_options(argc, argv, options);
+    UserDefaults defaults(kProgram);
+    read_desk_options(argc, argv, options, defaults);
+    if (!options.common.quiet)
+      defaults.print();
     gst_init(nullptr, nullptr);
     std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
     run(options);

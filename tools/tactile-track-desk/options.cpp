@@ -4,7 +4,7 @@
 #include <vector>
 
 void
-read_desk_options(int argc, char **argv, DeskOptions &options)
+read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &defaults)
 {
   constexpr int kHighestPort = 65535;
   const GOptionEntry entries[] = {
@@ -16,6 +16,7 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
       "Open no browser: only print the address", nullptr },
     {},
   };
+  options.chair.fill(defaults);
   const auto chair = options.chair.entries();
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, options.common,
@@ -30,7 +31,7 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
         .more = chair.data() });
   if (options.port < 0 || options.port > kHighestPort)
     throw UsageError("--port is a number from 0 to 65535");
-  options.chair.check();
+  options.chair.check(defaults);
   options.film = arguments[0];
   if (arguments.size() > 1)
     options.track = arguments[1];

@@ -19,4 +19,4 @@ struct DeskOptions
 };
 
 /// Throws UsageError or Help.
-void read_desk_options(int argc, char **argv, DeskOptions &options);
+void read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &defaults);

@@ -21,6 +21,7 @@ int mux(int argc, char **argv);
 int extract(int argc, char **argv);
 int find(int argc, char **argv);
 int make_index(int argc, char **argv);
+int learn(int argc, char **argv);
 int desk(int argc, char **argv);
 
 /// Seconds with three decimals.

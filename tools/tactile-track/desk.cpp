@@ -16,7 +16,8 @@ desk(int argc, char **argv)
   arguments.push_back(nullptr);
   {
     DeskOptions options;
-    read_desk_options(argc, argv, options);
+    UserDefaults none; // tactile-track-desk reads the settings
+    read_desk_options(argc, argv, options, none);
   }
   const char *set = g_getenv("VISUOTACTILE_DESK");
   const std::string program = set ? set : DESK_PROGRAM;

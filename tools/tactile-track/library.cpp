@@ -3,7 +3,9 @@
 // find and index: tracks of films in a folder or on a web server.
 #include "commands.h"
 
+#include "files/regular_file.h"
 #include "film/film.h"
+#include "library/heard.h"
 #include "library/library.h"
 #include "library/track_index.h"
 #include "tracks/formats/track_file.h"
@@ -136,6 +138,11 @@ make_index(int argc, char **argv)
     if (const auto film = known.find(stem); film != known.end()) {
       listed.film = film->second.filename().string();
       listed.content = library::film_content(film->second.string());
+    }
+    const std::string heard = stem + listen::kEntryEnding;
+    if (const auto bytes = files::read((folder / heard).string(), listen::kMostEntry)) {
+      listed.heard = heard;
+      listed.heard_sum = library::content_sum(*bytes);
     }
     index.push_back(std::move(listed));
   }

@@ -32,6 +32,7 @@ constexpr std::array kCommands = {
 #ifdef HAVE_LIBRARY
   Command{ "find", find, "find the track of a film in a library" },
   Command{ "index", make_index, "list the tracks of a folder for find" },
+  Command{ "learn", learn, "make the entry by which a film is known by its sound" },
 #endif
 #ifdef DESK_PROGRAM
   Command{ "desk", desk, "edit a track beside its film, in a browser" },

@@ -31,9 +31,12 @@ parse_number(const std::string &text, double &value)
 std::vector<GOptionEntry>
 PlayOptions::with(std::initializer_list<GOptionEntry> own)
 {
+  defaults.fill("driver", driver);
+  defaults.fill_of_driver("device", device);
   std::vector<GOptionEntry> entries{
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of the board, as tactorsink's, or audio: shakers at a sound card (default: auto)",
+      "Driver of the board, as tactorsink's, or audio: shakers at a sound card (default: the "
+      "user's, else auto)",
       "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &device.value,
       "Which board, as tactorsink's, or a sound card's name", "ID" },
@@ -55,8 +58,11 @@ PlayOptions::with(std::initializer_list<GOptionEntry> own)
 }
 
 PlayerSettings
-PlayOptions::settings(double volts_max) const
+PlayOptions::settings(double volts_max)
 {
+  defaults.keep_to_driver(driver.text());
+  if (source.text() != "simulator")
+    defaults.print();
   PlayerSettings settings{ .driver = driver.text(),
                            .device = device.text(),
                            .volts_max = volts_max,

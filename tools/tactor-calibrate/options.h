@@ -5,6 +5,7 @@
 
 #include "calibration/envelope.h"
 #include "film/command_line.h"
+#include "film/user_defaults.h"
 
 #include <glib.h>
 
@@ -21,10 +22,12 @@ struct PlayOptions
   gint channels = 2;
   TextOption source{ "autoaudiosrc" };
   TextOption simulated_motors{};
+  UserDefaults defaults{ "tactor-calibrate" };
 
-  /// These options and a command's own, ended by an empty one.
+  /// These options, filled with the user's settings, and a command's own, ended by an empty one.
   std::vector<GOptionEntry> with(std::initializer_list<GOptionEntry> own);
-  PlayerSettings settings(double volts_max) const;
+  /// After the command line is read. Throws UsageError.
+  PlayerSettings settings(double volts_max);
 };
 
 /// `0,2,5` or `0-8`. Throws UsageError.

@@ -40,7 +40,7 @@ FilmTrack::FilmTrack(Settings settings, Events events)
 }
 
 void
-FilmTrack::open(const std::string &film)
+FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Track> &known)
 {
   probe_.reset();
   search_.reset();
@@ -54,6 +54,11 @@ FilmTrack::open(const std::string &film)
   events_.found(nullptr);
   if (film.empty())
     return;
+  if (known) {
+    choose("the track of its entry");
+    events_.found(std::make_shared<tactile::Draft>(*known));
+    return;
+  }
   std::erase_if(passed_over_, [this](const std::string &path) { return has_changed(path); });
   file_ = { .complaint = "it is no file on this computer" };
   const auto beside = library_.beside(film, passed_over_, complaint_);

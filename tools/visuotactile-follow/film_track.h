@@ -40,8 +40,9 @@ public:
 
   FilmTrack(Settings settings, Events events);
 
-  /// `film` is what a player says; empty: none. What was found of the film before is no more.
-  void open(const std::string &film);
+  /// `film` is what a player says; empty: none. `known`: its track, if the player has it. What was
+  /// found of the film before is no more.
+  void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr);
 
   /// Passes the film's faulty track over, as it is now, and looks on. Throws std::runtime_error if
   /// there is none.

@@ -26,6 +26,7 @@ constexpr guint kListing = 1000;   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
 constexpr const char *kKodi = "kodi";
+constexpr const char *kSound = "listen";
 constexpr double kNudge = 10;                                ///< ms, by a signal
 constexpr follow::Time kPatience = std::chrono::seconds(30); ///< after a sleep
 
@@ -54,7 +55,8 @@ Follower::Follower(const FollowSettings &settings)
                               .failed =
                                   [this](const std::string &text) {
                                     chair_failed(text);
-                                  } })
+                                  } }),
+      listens_(settings_.listens.has_value())
 {
   g_autoptr(GError) error = nullptr;
   bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
@@ -189,6 +191,16 @@ Follower::look_for_players()
   look_for_mpv();
   if (kodi_ && looks_for_kodi_ && !players_.contains(kKodi))
     kodi_->look();
+  look_for_sound();
+}
+
+/// Not while nobody is in the chair.
+void
+Follower::look_for_sound()
+{
+  if (listens_ && !rests_ && !lists_ && !players_.contains(kSound))
+    add(kSound, std::make_unique<FilmListener>(*settings_.listens, events_of(kSound),
+                                               [this](const std::string &text) { tell(text); }));
 }
 
 void
@@ -282,33 +294,34 @@ Follower::gone(const std::string &key, const std::string &why)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.is_gone = true;
+  if (key == kSound)
+    listens_ = false; // what it missed does not come back by itself
   tell(found->second.player->name() + " is gone: " + why);
   update();
 }
 
-/// A player that plays comes first. A paused film is prepared, so that it is felt from its first
-/// moment on.
+/// A player that plays comes first, of these one that reports its position, then what is heard. A
+/// paused film is prepared, so that it is felt from its first moment on.
 void
 Follower::choose()
 {
-  const auto is = [](const Followed &one, Doing doing) {
-    return !one.is_gone && one.last.doing == doing;
+  const auto rank = [](const Followed &one) {
+    if (one.is_gone || one.last.doing != Doing::playing)
+      return one.is_gone || one.last.doing != Doing::paused ? 0 : 1;
+    return !one.player->fault().empty() ? 2 : one.player->yields() ? 3 : 4;
   };
+  constexpr int kPlays = 2;
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  if (current_ != nullptr && is(*current_, Doing::playing))
-    return;
-  for (const Doing doing : { Doing::playing, Doing::paused })
-    for (auto &[key, followed] : players_)
-      if (is(followed, doing)
-          && (doing == Doing::playing || current_ == nullptr
-              || current_->last.doing == Doing::stopped)) {
-        if (std::exchange(current_, &followed) != &followed) {
-          cues_.change_player();
-          set_delay();
-        }
-        return;
-      }
+  Followed *best = current_;
+  for (auto &[key, followed] : players_)
+    if (rank(followed) > (best != nullptr ? rank(*best) : 0)
+        && (rank(followed) >= kPlays || best == nullptr || best->last.doing == Doing::stopped))
+      best = &followed;
+  if (best != nullptr && std::exchange(current_, best) != best) {
+    cues_.change_player();
+    set_delay();
+  }
 }
 
 void
@@ -320,7 +333,7 @@ Follower::change_film()
     return;
   film_ = film;
   position_ = follow::Time(0);
-  film_track_.open(film);
+  film_track_.open(film, current_ != nullptr ? current_->player->track() : nullptr);
 }
 
 void
@@ -364,6 +377,11 @@ Follower::rest(bool rests, const std::string &why)
   opens_again_ = false;
   if (rests) {
     chair_.close(); // motors at zero when it returns
+    if (const auto sound = players_.find(kSound); sound != players_.end()) {
+      if (current_ == &sound->second)
+        current_ = nullptr;
+      players_.erase(sound);
+    }
     tell("nothing is felt: " + why);
   } else {
     tell("the chair is used again");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "chair.h"
+#include "film_listener.h"
 #include "film_track.h"
 #include "follow_service.h"
 #include "player_timing.h"
@@ -23,10 +24,11 @@ const char *word(follow::Doing doing);
 
 struct FollowSettings
 {
-  std::string mpv_socket;       ///< empty: none
-  bool insists_on_mpv = false;  ///< say so when nobody is there
-  std::string kodi;             ///< HOST[:PORT]; empty: none
-  bool insists_on_kodi = false; ///< likewise
+  std::string mpv_socket;                          ///< empty: none
+  bool insists_on_mpv = false;                     ///< say so when nobody is there
+  std::string kodi;                                ///< HOST[:PORT]; empty: none
+  bool insists_on_kodi = false;                    ///< likewise
+  std::optional<FilmListener::Settings> listens{}; ///< none: it does not
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
@@ -70,6 +72,7 @@ private:
   void look_around();
   void look_for_players();
   void look_for_mpv();
+  void look_for_sound();
   void found_kodi(GSocketConnection *connection);
   void missed_kodi(const std::string &why, bool is_other);
   void appeared(const std::string &bus_name);
@@ -122,5 +125,6 @@ private:
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;
   bool looks_for_kodi_ = true;
+  bool listens_;
   bool lists_ = false; ///< the players, and follows none
 };

@@ -30,6 +30,8 @@ struct Options
   TextOption mpris{};
   TextOption kodi{};
   TextOption tracks{};
+  std::optional<std::string> listen{};
+  gdouble listen_latency = 0; ///< ms
   TextOption sound{};
   TextOption sync_to{};
   gdouble screen_latency = kNotSet; ///< ms
@@ -52,6 +54,13 @@ expect_ms(const char *name, gdouble value)
     throw UsageError(std::string("--") + name + " is a number of ms from -5000 to 5000");
 }
 
+gboolean
+set_listen(const gchar *, const gchar *value, gpointer options, GError **)
+{
+  static_cast<Options *>(options)->listen = value != nullptr ? value : "";
+  return TRUE;
+}
+
 void
 read_command_line(int argc, char **argv, Options &options)
 {
@@ -67,6 +76,15 @@ read_command_line(int argc, char **argv, Options &options)
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
       "Folder of tracks, or its address on a web server, for films without a track beside them",
       "DIR|URL" },
+    { "listen", 0, G_OPTION_FLAG_OPTIONAL_ARG, G_OPTION_ARG_CALLBACK,
+      reinterpret_cast<gpointer>(set_listen),
+      "Know films of the library of --tracks by their sound: of the microphone, of this computer "
+      "('monitor'), of a source of PulseAudio or PipeWire, or of a file",
+      "SOURCE" },
+    { "listen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.listen_latency,
+      "Time from a sound at the screen until it is received here, in ms, -5000 to 5000 (default: "
+      "0)",
+      "MS" },
     { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "Exit when the player exits", nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
       "Make no drafts for films without a track", nullptr },
@@ -96,6 +114,9 @@ read_command_line(int argc, char **argv, Options &options)
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
+  UserDefaults defaults(kProgram);
+  options.chair.fill(defaults);
+  defaults.fill("sound", options.sound);
   const auto chair = options.chair.entries();
   parse_options(argc, argv, entries, options.common,
                 { .arguments = "",
@@ -115,14 +136,20 @@ read_command_line(int argc, char **argv, Options &options)
                   .force_help = Usage::kWritesNothing,
                   .quiet_help = Usage::kOnlyErrors,
                   .more = chair.data(),
+                  .callback_data = &options,
                   .group = gst_init_get_option_group() });
-  options.chair.check();
+  options.chair.check(defaults);
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
+  expect_ms("listen-latency", options.listen_latency);
   if (!sync_of(options.sync_to.text("screen")))
     throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
   expect_driver(options.chair.driver.text());
+  const bool plays = !options.version && !options.list && !options.status && !options.pass_over
+                     && options.nudge == 0;
+  if (plays && !options.common.quiet)
+    defaults.print();
 }
 
 /// The socket in the user's own folder, where nobody else can put one.
@@ -185,11 +212,17 @@ run(const Options &options)
     throw std::runtime_error("'" + tracks
                              + "' is not a folder; expected a folder or an address for --tracks");
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
+  std::optional<FilmListener::Settings> listens;
+  if (options.listen)
+    listens = { .source = *options.listen,
+                .library = options.tracks.text(),
+                .latency = follow::Time(std::llround(options.listen_latency * 1e6)) };
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
         .insists_on_mpv = options.mpv.is_set(),
         .kodi = options.kodi.text(any ? usual_kodi().c_str() : ""),
         .insists_on_kodi = options.kodi.is_set(),
+        .listens = listens,
         .uses_bus = any || options.mpris.is_set(),
         .mpris = options.mpris.text(),
         .track = { .library = options.tracks.text(),

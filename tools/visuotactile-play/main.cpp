@@ -12,6 +12,7 @@
 #include "film/motor_walk.h"
 #include "film/output.h"
 #include "film/sound.h"
+#include "film/user_defaults.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/release_boards.h"
 
@@ -67,8 +68,11 @@ struct Options
   TextOption compensation{ "exact" };
   TextOption driver{ "auto" };
   TextOption device{};
+  TextOption mapping{};     ///< a setting of the user alone
+  TextOption calibration{}; ///< likewise
   gint channels = 2;
   gdouble intensity = 1;
+  gboolean mute = FALSE; ///< likewise
   gint rows = kOfDevice;
   gint columns = kOfDevice;
   gdouble rate = 5;
@@ -92,10 +96,28 @@ chosen_device(const Options &options)
            .channels = static_cast<unsigned>(options.channels) };
 }
 
+void
+fill(Options &options, UserDefaults &defaults)
+{
+  defaults.fill("driver", options.driver);
+  defaults.fill_of_driver("device", options.device);
+  defaults.fill_of_driver("mapping", options.mapping);
+  defaults.fill_of_driver("calibration", options.calibration);
+  defaults.fill_grid(options.rows, options.columns);
+  defaults.fill("intensity", options.intensity);
+  defaults.fill("mute", options.mute);
+  defaults.fill("sensitivity", options.sensitivity);
+  defaults.fill("density", options.density);
+  defaults.fill("people", options.people);
+  defaults.fill("sound", options.sound);
+}
+
 /// Throws UsageError or Help.
 void
 read_command_line(int argc, char **argv, Options &options)
 {
+  UserDefaults defaults(kProgram);
+  fill(options, defaults);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output.value,
       "Write commands.csv and strip.png to this folder, and visuotactile.mkv if no window shows "
@@ -104,7 +126,9 @@ read_command_line(int argc, char **argv, Options &options)
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &options.no_window,
       "Show no window even with a display", nullptr },
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
-      "Driver of tactorsink, or audio for shakers at a sound card (default: auto)", "NAME" },
+      "Driver of tactorsink, or audio for shakers at a sound card (default: the "
+      "user's, else auto)",
+      "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value,
       "Device of the driver, a name that --list-devices prints", "ID" },
     { "channels", 0, 0, G_OPTION_ARG_INT, &options.channels,
@@ -160,6 +184,7 @@ read_command_line(int argc, char **argv, Options &options)
           "quits. 1 and 2\nchange the sensitivity, 3 and 4 the density; then, as with "
           "--sensitivity or --density, a bar\nat the picture's lower edge shows the strongest "
           "event, which is felt where the bar passes\nthe red mark.\n\n"
+          "Options that are not given are the settings of the user: see visuotactile-settings.\n\n"
           "Ctrl-C ends the film, with all motors at zero and complete files; a second "
           "Ctrl-C\nends it at once.",
         .least = 0,
@@ -199,6 +224,9 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
+  defaults.keep_to_driver(options.driver.text());
+  if (!options.common.quiet && !options.list_devices && !options.release_boards)
+    defaults.print();
 }
 
 /// Prints a line for each board. Returns the exit status.
@@ -302,6 +330,12 @@ chair_line(const Options &options)
   std::string line = sink_line(chosen_device(options));
   if (options.intensity != 1)
     line += " intensity=" + number_text(options.intensity);
+  if (options.mute)
+    line += " mute=true";
+  if (options.mapping.is_set())
+    line += " mapping=" + launch_value(options.mapping.text());
+  if (options.calibration.is_set() && options.driver.text() != kAudio)
+    line += " calibration=" + launch_value(options.calibration.text());
   return line;
 }
 

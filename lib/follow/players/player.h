@@ -3,11 +3,13 @@
 
 #include "follow/evidence.h"
 #include "follow/report.h"
+#include "tracks/track.h"
 
 #include <glib.h>
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace follow {
@@ -49,6 +51,16 @@ public:
   virtual std::string remark() const
   {
     return {};
+  }
+  /// Whether players that report their position come first.
+  virtual bool yields() const
+  {
+    return false;
+  }
+  /// The track of the film that it reported last, if it knows one.
+  virtual std::shared_ptr<const tactile::Track> track() const
+  {
+    return nullptr;
   }
   /// Queries the position now, if the player is queried for it.
   virtual void ask()

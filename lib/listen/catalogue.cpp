@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "listen/catalogue.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace listen {
+
+namespace {
+
+constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
+
+/// By three rounds over 11 bits.
+void
+sort_by_radix(std::vector<std::uint32_t> &values)
+{
+  std::vector<std::uint32_t> other(values.size());
+  for (const unsigned shift : { 0U, 11U, 22U }) {
+    std::array<std::size_t, 2049> ends{};
+    for (const std::uint32_t value : values)
+      ends[(value >> shift & 2047U) + 1]++;
+    for (std::size_t i = 1; i < ends.size(); i++)
+      ends[i] += ends[i - 1];
+    for (const std::uint32_t value : values)
+      other[ends[value >> shift & 2047U]++] = value;
+    values.swap(other);
+  }
+}
+
+} // namespace
+
+HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
+                     std::size_t most_bytes)
+{
+  std::int64_t seconds = 1;
+  std::int64_t start = kGap;
+  std::size_t count = 0;
+  for (const std::int64_t frames : films) {
+    const std::int64_t units = frames / kUnit + 1 + kGap;
+    if (start + units > std::int64_t{ 0xffff'ffff })
+      break; // no room for more
+    starts_.push_back(static_cast<std::uint32_t>(start));
+    start += units;
+    seconds += static_cast<std::int64_t>(static_cast<double>(frames) / PeakFinder::kFrameRate) + 1;
+    count++;
+  }
+  unsigned rank = 0;
+  while (rank + 1 < kRanks
+         && static_cast<std::size_t>(seconds * kOfRank[rank + 1]) * 4 + kValues * 4 <= most_bytes)
+    rank++;
+  begins_.resize(kValues + 1);
+  for (std::size_t film = 0; film < count; film++)
+    for (const RankedHash &hash : read(film, rank))
+      begins_[hash.value + 1]++;
+  for (std::size_t value = 0; value < kValues; value++)
+    begins_[value + 1] += begins_[value];
+  places_.resize(begins_.back());
+  std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
+  for (std::size_t film = 0; film < count; film++)
+    for (const RankedHash &hash : read(film, rank))
+      if (std::uint32_t &at = next[hash.value]; at < begins_[hash.value + 1]) // it may have changed
+        places_[at++] = starts_[film] + static_cast<std::uint32_t>(hash.frame / kUnit);
+  common_ = std::max<std::size_t>(64, 12 * places_.size() / kValues);
+}
+
+std::vector<Place>
+HashIndex::search(std::span<const Hash> heard, std::size_t most) const
+{
+  if (places_.empty())
+    return {};
+  std::vector<std::uint32_t> votes;
+  for (const Hash &hash : heard) {
+    const std::size_t begin = begins_[hash.value];
+    const std::size_t end = begins_[hash.value + 1];
+    const auto at = static_cast<std::uint32_t>(hash.frame / kUnit);
+    if (end - begin <= common_)
+      for (std::size_t i = begin; i < end; i++)
+        votes.push_back(places_[i] - at);
+  }
+  sort_by_radix(votes);
+  std::vector<Place> found;
+  std::vector<std::pair<int, std::uint32_t>> best; // a heap, the least first
+  const auto greater = std::greater<std::pair<int, std::uint32_t>>();
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end < votes.size(); end++) {
+    while (votes[end] - votes[begin] > 2)
+      begin++;
+    const auto count = static_cast<int>(end - begin + 1);
+    if (count < 2 || (best.size() >= most && count <= best.front().first))
+      continue;
+    const std::uint32_t middle = votes[begin + (end - begin) / 2];
+    const auto same
+        = std::ranges::find_if(best, [&](const auto &one) { return middle - one.second + 3 <= 6; });
+    if (same != best.end()) {
+      if (count > same->first)
+        *same = { count, middle };
+      std::ranges::make_heap(best, greater);
+      continue;
+    }
+    if (best.size() >= most) {
+      std::ranges::pop_heap(best, greater);
+      best.pop_back();
+    }
+    best.emplace_back(count, middle);
+    std::ranges::push_heap(best, greater);
+  }
+  std::ranges::sort(best, greater);
+  for (const auto &[count, place] : best) {
+    // Before a film's beginning, too, but nearer to it than to the end of the one before.
+    const auto film = std::ranges::upper_bound(starts_, place + kGap / 2) - starts_.begin();
+    if (film > 0)
+      found.push_back(
+          { .film = static_cast<std::size_t>(film - 1),
+            .frame = kUnit
+                     * (static_cast<std::int64_t>(place)
+                        - static_cast<std::int64_t>(starts_[static_cast<std::size_t>(film - 1)])),
+            .votes = count });
+  }
+  return found;
+}
+
+Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes) : films_(std::move(films))
+{
+  if (films_.size() > kMostFilms)
+    films_.erase(films_.begin() + kMostFilms, films_.end());
+  std::vector<std::int64_t> frames;
+  frames.reserve(films_.size());
+  for (const Entry &film : films_)
+    frames.push_back(static_cast<std::int64_t>(film.steps() * Onsets::kHop / PeakFinder::kHop));
+  index_ = HashIndex(
+      frames, [this](std::size_t film, unsigned rank) { return films_[film].hashes(rank); },
+      most_bytes);
+}
+
+} // namespace listen

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "listen/listener.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace listen {
+
+namespace {
+
+constexpr double kSteps = Onsets::kOnsetRate; ///< a second
+constexpr std::int64_t
+steps(double seconds)
+{
+  return static_cast<std::int64_t>(seconds * kSteps);
+}
+
+constexpr std::int64_t kHeld = steps(12);
+constexpr std::int64_t kLooksEvery = steps(0.5);
+constexpr std::int64_t kLeast = steps(2); ///< heard before a search
+constexpr std::int64_t kMost = steps(10); ///< that is searched at once
+constexpr std::size_t kPlaces = 24;       ///< of a search that are compared
+constexpr int kReach = 75;                ///< steps that are compared on each side of a place
+constexpr double kSame = 3;               ///< steps between looks at one place
+// Scores. Chance reaches 4.5 in one of ten searches, and 5.5 seldom.
+constexpr double kSure = 7;
+constexpr double kLikely = 5.7; ///< if it is so for a while
+constexpr std::int64_t kAWhile = steps(1.5);
+constexpr double kAlike = 0.75; ///< of the best one: another place is as good
+constexpr double kStill = 5;    ///< of a film that goes on
+constexpr double kNear = 12;    ///< steps by which it moves at the most
+constexpr std::int64_t kWindow = steps(4);
+constexpr int kMostMisses = 6; ///< 3 s
+// The newest sound alone shows sooner that a film stopped, if it usually fits.
+constexpr std::int64_t kShortWindow = steps(1.5);
+constexpr int kMostAbsent = 3;
+constexpr double kUsually = 0.8;
+constexpr double kForgets = 0.1; ///< of Lock::present, a look
+constexpr std::size_t kOrigins = 9;
+constexpr double kLostSound = 40e6; ///< ns
+
+/// Frames a second of what is heard to those of the film.
+constexpr std::array<double, 3> kRates = { 1, 25.0 / 24, 24.0 / 25 };
+
+} // namespace
+
+Listener::Listener(const Catalogue &catalogue, int rate)
+    : catalogue_(catalogue), rate_(rate), downsampler_(rate), peak_finder_(kHeardPeaks)
+{
+}
+
+std::optional<Heard>
+Listener::add(std::span<const float> mono, Time at)
+{
+  keep_time(mono.size(), at);
+  take_sound(mono);
+  if (steps_ - looked_at_ < kLooksEvery || steps_ - fresh_ < kLeast)
+    return std::nullopt;
+  looked_at_ = steps_;
+  return lock_ ? track() : search();
+}
+
+/// A card's sound comes in blocks, whose times vary a little.
+void
+Listener::keep_time(std::size_t count, Time at)
+{
+  const double began = static_cast<double>(at.count()) - static_cast<double>(count_) / rate_ * 1e9;
+  if (began_ && std::abs(began - *began_) > kLostSound)
+    forget();
+  began_ = began_ ? *began_ + (began - *began_) * 0.02 : began;
+  count_ += static_cast<std::int64_t>(count);
+}
+
+/// Sound is missing: what was heard no longer fits what comes.
+void
+Listener::forget()
+{
+  began_.reset();
+  lock_.reset();
+  fresh_ = steps_;
+}
+
+void
+Listener::take_sound(std::span<const float> mono)
+{
+  samples_.clear();
+  downsampler_.add(mono, samples_);
+  peak_finder_.add(samples_);
+  onset_finder_.add(samples_);
+  for (const Peak &peak : peak_finder_.take())
+    peaks_.push_back(peak);
+  for (const Onset &onset : onset_finder_.take()) {
+    onsets_.push_back(onset);
+    steps_++;
+  }
+  while (static_cast<std::int64_t>(onsets_.size()) > kHeld)
+    onsets_.pop_front();
+  const std::int64_t first
+      = (steps_ - static_cast<std::int64_t>(onsets_.size())) * Onsets::kHop / PeakFinder::kHop;
+  while (!peaks_.empty() && peaks_.front().frame < first)
+    peaks_.pop_front();
+}
+
+/// Compares the newest onsets with a film, whose step at step 0 of what is heard may be this.
+std::optional<Fit>
+Listener::fit_at(std::size_t film, double rate, double step, std::int64_t onsets, int reach) const
+{
+  const std::size_t count = std::min(static_cast<std::size_t>(onsets), onsets_.size());
+  const std::vector<Onset> newest(onsets_.end() - static_cast<std::ptrdiff_t>(count),
+                                  onsets_.end());
+  const double first = static_cast<double>(steps_ - static_cast<std::int64_t>(count)) * rate;
+  const std::int64_t from = std::llround(step + first) - reach;
+  const auto reference
+      = catalogue_.films()[film].reference(from, reference_steps(count, rate, reach));
+  if (!reference)
+    return std::nullopt;
+  Fit found = fit(newest, *reference, rate, reach);
+  found.step += static_cast<double>(from) - first;
+  return found;
+}
+
+void
+Listener::look_up(double rate, std::vector<Candidate> &found) const
+{
+  const std::int64_t from = std::max(fresh_, steps_ - kMost);
+  const double first = static_cast<double>(from) * Onsets::kHop / PeakFinder::kHop;
+  std::vector<Peak> peaks;
+  for (const Peak &peak : peaks_)
+    if (static_cast<double>(peak.frame) >= first) {
+      peaks.push_back(peak);
+      peaks.back().frame -= static_cast<std::int64_t>(first);
+    }
+  constexpr double kOfFrame = static_cast<double>(PeakFinder::kHop) / Onsets::kHop; // steps
+  for (const Place &place : catalogue_.index().search(heard_hashes(peaks, rate), kPlaces)) {
+    const double step = (static_cast<double>(place.frame) - std::floor(first) * rate) * kOfFrame;
+    const auto fit = fit_at(place.film, rate, step, steps_ - from, kReach);
+    if (fit)
+      found.push_back({ .film = place.film, .rate = rate, .step = fit->step, .score = fit->score });
+  }
+}
+
+bool
+Listener::Candidate::is_at(const Candidate &other) const
+{
+  return film == other.film && rate == other.rate && std::abs(step - other.step) <= kSame;
+}
+
+std::optional<Heard>
+Listener::search()
+{
+  std::vector<Candidate> found;
+  look_up(1, found);
+  look_up(kRates[static_cast<std::size_t>(1 + round_++ % 2)], found);
+  const auto best = std::ranges::max_element(found, {}, &Candidate::score);
+  const auto is_as_good = [&](const Candidate &one) {
+    return !one.is_at(*best) && one.score > kAlike * best->score;
+  };
+  if (best == found.end() || std::ranges::any_of(found, is_as_good) || !is_sure(*best))
+    return std::nullopt;
+  hope_.reset();
+  lock_ = Lock{
+    .film = best->film, .rate = best->rate, .origin = best->step, .origins = { best->step }
+  };
+  Heard now = heard(*lock_, best->score);
+  now.begins = true;
+  return now;
+}
+
+bool
+Listener::is_sure(const Candidate &candidate)
+{
+  if (candidate.score >= kSure)
+    return true;
+  if (candidate.score < kLikely)
+    return false;
+  if (!hope_ || !hope_->candidate.is_at(candidate))
+    hope_ = Hope{ .candidate = candidate, .since = steps_ };
+  return steps_ - hope_->since >= kAWhile;
+}
+
+std::optional<Heard>
+Listener::track()
+{
+  Lock &lock = *lock_;
+  const bool there = is_there(lock);
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, kWindow, kReach);
+  const bool fits = found && found->score >= kStill && std::abs(found->step - lock.origin) <= kNear;
+  lock.misses = fits ? 0 : lock.misses + 1;
+  if (!found || lock.misses > kMostMisses || lock.absent >= kMostAbsent) {
+    lock_.reset();
+    fresh_ = std::max(fresh_, steps_ - kShortWindow);
+    return std::nullopt;
+  }
+  if (!fits || !there)
+    return std::nullopt;
+  lock.origins.push_back(found->step);
+  if (lock.origins.size() > kOrigins)
+    lock.origins.pop_front();
+  std::vector<double> sorted(lock.origins.begin(), lock.origins.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  lock.origin = *middle;
+  return heard(lock, found->score);
+}
+
+/// Whether the newest sound is the film's, or the newest sound seldom shows it.
+bool
+Listener::is_there(Lock &lock) const
+{
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, kShortWindow, kReach);
+  const bool fits = found && std::abs(found->step - lock.origin) <= kSame;
+  const bool shows = lock.present >= kUsually;
+  lock.absent = fits || !shows ? 0 : lock.absent + 1;
+  if (fits || !shows) // else it is as usual up to here
+    lock.present += ((fits ? 1 : 0) - lock.present) * kForgets;
+  return fits || !shows;
+}
+
+Heard
+Listener::heard(const Lock &lock, double score) const
+{
+  const double seconds = static_cast<double>(steps_) / kSteps;
+  return { .film = lock.film,
+           .at = Time(std::llround(*began_ + seconds * 1e9)),
+           .position = Time(std::llround((lock.origin / kSteps + seconds * lock.rate) * 1e9)),
+           .rate = lock.rate,
+           .score = score };
+}
+
+} // namespace listen

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""visuotactile-follow --listen: a film is known by its sound in a folder of entries and on a web server, another sound is not, and what cannot be
+used is said. By ear a real mpv at PulseAudio's null sink is felt when it is by mpv's own report.
+
+Expects what follow_stage.py does, TRACK, ffmpeg and pulseaudio.
+Usage: follow_listen.py [PART ...]      of file, server, player; all by default"""
+
+import functools
+import http.server
+import math
+import os
+import random
+import signal
+import statistics
+import struct
+import subprocess
+import threading
+import wave
+
+import follow_trace
+from follow_stage import FOLLOW, LATEST, Mpv, run, start, started, wait_until, work
+from null_sink import NullSink
+
+TRACK = os.environ["TRACK"]
+RATE, SECONDS = 16000, 60
+FIRST = 20  # s: where the film is heard from
+
+
+def make_sound(path, seed, seconds=SECONDS):
+    """Tones and noise, at random."""
+    chance, samples, at = random.Random(seed), [0.0] * (RATE * seconds), 0.0
+    while at < seconds:
+        hertz, length, tone = chance.uniform(200, 3000), chance.uniform(0.05, 0.5), chance.uniform(0, 0.3)
+        first = int(at * RATE)
+        for i in range(first, min(len(samples), first + int(length * RATE))):
+            time = (i - first) / RATE
+            samples[i] += (tone * math.sin(2 * math.pi * hertz * time) + (0.3 - tone) * chance.uniform(-0.5, 0.5)) * (1 - time / length)
+        at += chance.uniform(0.03, 0.3)
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(RATE)
+        file.writeframes(struct.pack(f"<{len(samples)}h", *(int(max(-1, min(1, 0.6 * sample)) * 32767) for sample in samples)))
+    return path
+
+
+def track(*words):
+    done = subprocess.run([TRACK, *map(str, words)], capture_output=True, text=True, check=False, timeout=LATEST)
+    assert done.returncode == 0, done
+    return done.stdout
+
+
+@functools.cache
+def make_film():
+    """A film with its entry: a pulse in each second."""
+    library = work / "library"
+    library.mkdir()
+    sound, film = make_sound(work / "film.wav", 5), work / "Known.mkv"
+    subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", f"color=black:s=64x64:r=25:d={SECONDS}", "-i", str(sound), "-c:v", "libx264", "-preset",
+                    "ultrafast", "-c:a", "aac", "-b:a", "128k", str(film)], check=True)
+    follow_trace.make_track(library / "Known.csv", [(second, 0.7) for second in range(1, SECONDS)], SECONDS)
+    said = track("learn", film, library / "Known.csv")
+    assert "Known.heard" in said, said
+    assert (library / "Known.heard").stat().st_size < 40_000
+    heard = work / "heard.wav"
+    subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "25", str(heard)], check=True)
+    return film, library, heard
+
+
+class Listener:
+    def __init__(self, name, *options, environment=None):
+        self.log, self.trace = work / f"{name}.log", work / f"{name}.csv"
+        with open(self.log, "w", encoding="utf-8") as log:
+            self.process = start(FOLLOW, "--driver=simulator", f"--trace={self.trace}", "--once", *map(str, options), stderr=log, env=environment)
+
+    def said(self):
+        return self.log.read_text(encoding="utf-8")
+
+    def wait_for(self, text):
+        wait_until(lambda: f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
+        assert text in self.said(), self.said()
+
+    def end(self):
+        """Of the sound, or now."""
+        self.process.wait(LATEST)
+        assert self.process.returncode == 0 and "CRITICAL" not in self.said(), self.said()
+
+    def onsets(self):
+        return follow_trace.onsets(follow_trace.read_trace(self.trace))
+
+
+def expect_pulses(felt):
+    """Each second one. A loaded computer may lose some, but puts none elsewhere."""
+    assert len(felt) >= 8, felt
+    phase = statistics.median((at - felt[0] + 0.5) % 1 - 0.5 for at in felt)
+    off = [abs((at - felt[0] - phase + 0.5) % 1 - 0.5) for at in felt]
+    assert statistics.median(off) < 0.03, off
+
+
+def file():
+    _, library, heard = make_film()
+    (library / "Torn.heard").write_bytes((library / "Known.heard").read_bytes()[:1000])
+    listener = Listener("file", f"--listen={heard}", f"--tracks={library}", "--mpv=/nowhere")
+    listener.wait_for("listens to '")
+    assert "Torn.heard': expected" in listener.said(), listener.said()
+    listener.wait_for("plays 'Known.mkv' with the track of its entry")
+    listener.end()
+    assert "the sound has ended" in listener.said(), listener.said()
+    expect_pulses(listener.onsets())
+    (library / "Torn.heard").unlink()
+    # Another film.
+    other = make_sound(work / "other.wav", 6, 20)
+    listener = Listener("other", f"--listen={other}", f"--tracks={library}", "--mpv=/nowhere")
+    listener.end()
+    assert "plays" not in listener.said(), listener.said()
+    # No entries, and no such source.
+    (work / "empty").mkdir()
+    listener = Listener("empty", f"--listen={heard}", f"--tracks={work}/empty", "--mpv=/nowhere")
+    listener.wait_for("make them with tactile-track learn")
+    listener.end()
+
+
+def server():
+    _, library, heard = make_film()
+    assert "1 tracks" in track("index", library)
+    requests = []
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def do_GET(self):
+            requests.append(self.path)
+            super().do_GET()
+
+        def log_message(self, *_):
+            pass
+
+    web = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=library))
+    threading.Thread(target=web.serve_forever, daemon=True).start()
+    for time in range(2):  # the second time it is kept
+        listener = Listener(f"server{time}", f"--listen={heard}", f"--tracks=http://127.0.0.1:{web.server_port}", "--mpv=/nowhere")
+        listener.wait_for("plays 'Known.mkv' with the track of its entry")
+        listener.process.send_signal(signal.SIGINT)
+        listener.end()
+    assert requests == ["/tracks.json", "/Known.heard", "/tracks.json"], requests
+    web.shutdown()
+    (library / "tracks.json").unlink()
+
+
+def player():
+    """What is felt by ear and by mpv's report."""
+    film, library, _ = make_film()
+    sound = NullSink(work)
+    started.append(sound.process)
+    os.environ["PULSE_SERVER"] = f"unix:{sound.socket}"
+    mpv = Mpv(film, "--ao=pulse", "--audio-device=pulse/null", "--loop", "--start=5")
+    by_ear = Listener("ear", "--listen=null.monitor", f"--tracks={library}", "--mpv=/nowhere")
+    by_report = Listener("report", f"--mpv={mpv.path}", f"--tracks={library}", "--no-drafts")
+    both = Listener("both", "--listen=null.monitor", f"--mpv={mpv.path}", f"--tracks={library}", "--no-drafts")
+    by_ear.wait_for("plays 'Known.mkv' with the track of its entry")
+    by_report.wait_for("plays 'Known.mkv' with '")
+    both.wait_for("listens to 'null.monitor'")
+    wait_until("ten pulses by ear", lambda: len(by_ear.onsets()) >= 10 and len(by_report.onsets()) >= 10)
+    # mpv reports its position, so it is followed.
+    assert "mpv at" in both.said() and "listen ('null.monitor') plays" not in both.said(), both.said()
+    for listener in (by_ear, by_report, both):
+        listener.process.send_signal(signal.SIGINT)
+        listener.end()
+    truth = by_report.onsets()
+    off = [min((at - other for other in truth), key=abs) * 1000 for at in by_ear.onsets() if truth[0] - 0.5 < at < truth[-1] + 0.5]
+    sizes = sorted(map(abs, off))
+    print(f"{len(off)} pulses by ear against mpv's report: median {statistics.median(off):+.1f} ms, p95 {sizes[len(sizes) * 95 // 100]:.1f} ms")
+    assert len(off) >= 5 and abs(statistics.median(off)) < 100, off
+    mpv.quit()
+    sound.stop()
+
+
+run({"file": file, "server": server, "player": player})

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "chair/settings.h"
+#include "command_line.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+/// The user's settings (visuotactile-settings) as the defaults of a program's options. Options are
+/// filled before the command line is read, which then overrides them.
+class UserDefaults
+{
+public:
+  /// Of nobody: fills nothing.
+  UserDefaults() = default;
+  /// Reads the settings. Prints a line for each entry that cannot be read.
+  explicit UserDefaults(const char *program);
+
+  /// Does nothing if the user has not set `key`. The option must outlive this object.
+  void fill(const char *key, TextOption &option);
+  void fill(const char *key, gdouble &option);
+  void fill(const char *key, gboolean &option);
+  /// `device`, `mapping` or `calibration`, which belong to the driver: see keep_to_driver().
+  void fill_of_driver(const char *key, TextOption &option);
+  /// `grid`, which does, too.
+  void fill_grid(gint &rows, gint &columns);
+
+  /// After the command line: undoes the settings that belong to the user's driver, if `driver` is
+  /// another.
+  void keep_to_driver(const std::string &driver);
+
+  /// After the command line: prints which settings apply, unless none does.
+  void print() const;
+
+private:
+  struct Filled
+  {
+    std::string key;
+    std::string value;
+    std::function<bool()> holds;  ///< not overridden
+    std::function<void()> undo{}; ///< of what belongs to the driver
+  };
+
+  const std::string *find(const char *key) const;
+
+  std::string program_;
+  chair::Values values_;
+  std::vector<Filled> filled_;
+};

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "film_listener.h"
+
+#include "tracks/formats/track_file.h"
+
+#include <gst/app/gstappsink.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+using follow::Doing;
+using follow::local_time;
+using follow::Report;
+using follow::Time;
+
+namespace {
+
+constexpr int kRate = 16000;                          // Hz
+constexpr GstClockTime kPatience = 100 * GST_MSECOND; ///< between looks whether it shall stop
+constexpr const char *kMonitor = "monitor";
+
+bool
+is_sound_file(const std::string &source)
+{
+  std::error_code error;
+  return source.find("://") != std::string::npos || std::filesystem::is_regular_file(source, error);
+}
+
+/// The beginning of a launch line.
+std::string
+source_line(const std::string &source)
+{
+  if (source.empty())
+    return "autoaudiosrc";
+  if (source == kMonitor)
+    return "pulsesrc device=@DEFAULT_MONITOR@";
+  if (!is_sound_file(source))
+    return "pulsesrc device=" + launch_value(source);
+  g_autofree gchar *uri = gst_uri_is_valid(source.c_str())
+                              ? g_strdup(source.c_str())
+                              : gst_filename_to_uri(source.c_str(), nullptr);
+  return "uridecodebin caps=audio/x-raw expose-all-streams=false uri="
+         + launch_value(uri != nullptr ? uri : source);
+}
+
+} // namespace
+
+std::string
+FilmListener::source_name(const std::string &source)
+{
+  return source.empty()       ? "the microphone"
+         : source == kMonitor ? "the sound of this computer"
+                              : "'" + source + "'";
+}
+
+FilmListener::FilmListener(Settings settings, follow::PlayerEvents events,
+                           std::function<void(const std::string &)> said)
+    : name_("listen (" + source_name(settings.source) + ")"), settings_(std::move(settings)),
+      events_(std::move(events)), said_(std::move(said)),
+      context_(g_main_context_ref_thread_default()), stop_(g_cancellable_new())
+{
+  thread_ = std::thread([this] { listen(); });
+}
+
+FilmListener::~FilmListener()
+{
+  g_cancellable_cancel(stop_);
+  thread_.join();
+  if (source_ != nullptr) {
+    g_source_destroy(source_);
+    g_source_unref(source_);
+  }
+  g_object_unref(stop_);
+  g_main_context_unref(context_);
+}
+
+void
+FilmListener::listen()
+{
+  try {
+    std::vector<std::string> complaints;
+    const listen::Catalogue catalogue(library::heard_entries(settings_.library, complaints, stop_));
+    for (const std::string &complaint : complaints)
+      post({ .said = complaint });
+    if (catalogue.films().empty()) {
+      post({ .gone = "expected entries of films (*.heard) in the library of --tracks, got none in '"
+                     + settings_.library + "'; make them with tactile-track learn" });
+      return;
+    }
+    post({ .said = "listens to " + source_name(settings_.source) + " for "
+                   + std::to_string(catalogue.films().size())
+                   + " films; sound is neither kept nor sent anywhere" });
+    hear(catalogue);
+  } catch (const std::exception &error) {
+    post({ .gone = error.what() });
+  }
+}
+
+void
+FilmListener::hear(const listen::Catalogue &catalogue)
+{
+  const Pipeline pipeline
+      = make_pipeline(source_line(settings_.source)
+                      + " ! audioconvert ! audioresample ! appsink name=sound max-buffers=200 "
+                        "caps=audio/x-raw,format=F32LE,layout=interleaved,channels=1,rate="
+                      + std::to_string(kRate));
+  // Running time is the local time of reports.
+  const Owned<GstClock> clock(GST_CLOCK(
+      g_object_new(GST_TYPE_SYSTEM_CLOCK, "clock-type", GST_CLOCK_TYPE_MONOTONIC, nullptr)));
+  gst_object_ref_sink(clock.get());
+  gst_pipeline_use_clock(GST_PIPELINE(pipeline.get()), clock.get());
+  gst_element_set_start_time(pipeline.get(), GST_CLOCK_TIME_NONE);
+  base_ = local_time();
+  gst_element_set_base_time(pipeline.get(), static_cast<GstClockTime>(base_.count()));
+  const Owned<GstElement> sink = element(pipeline, "sound");
+  const Owned<GstBus> bus(gst_element_get_bus(pipeline.get()));
+  if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+    throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
+                             + start_error(bus.get()));
+  listen::Listener listener(catalogue, kRate);
+  auto *sound = GST_APP_SINK(sink.get());
+  while (g_cancellable_is_cancelled(stop_) == FALSE && gst_app_sink_is_eos(sound) == FALSE) {
+    g_autoptr(GstSample) sample = gst_app_sink_try_pull_sample(sound, kPatience);
+    if (sample != nullptr)
+      add(sample, listener, catalogue);
+    g_autoptr(GstMessage) failed = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR);
+    if (failed == nullptr)
+      continue;
+    g_autoptr(GError) error = nullptr;
+    gst_message_parse_error(failed, &error, nullptr);
+    throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
+                             + error->message);
+  }
+  if (gst_app_sink_is_eos(sound) != FALSE)
+    post({ .gone = "the sound has ended" });
+}
+
+void
+FilmListener::add(GstSample *sample, listen::Listener &listener, const listen::Catalogue &catalogue)
+{
+  GstBuffer *buffer = gst_sample_get_buffer(sample);
+  const GstClockTime running = gst_segment_to_running_time(gst_sample_get_segment(sample),
+                                                           GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  GstMapInfo map;
+  if (!GST_CLOCK_TIME_IS_VALID(running) || !gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return;
+  const std::span<const float> samples(reinterpret_cast<const float *>(map.data),
+                                       map.size / sizeof(float));
+  const auto heard = listener.add(samples, base_ + Time(static_cast<Time::rep>(running)));
+  gst_buffer_unmap(buffer, &map);
+  if (std::exchange(knew_, listener.knows()) && !knew_) {
+    post({ .lost = true });
+    return;
+  }
+  if (!heard)
+    return;
+  const listen::Entry &film = catalogue.films()[heard->film];
+  if (!known_track_ || heard->film != film_number_) {
+    const auto track
+        = tactile::track_format(film.track_name()).and_then([&](tactile::TrackFormat format) {
+            return tactile::read_track(film.track().value_or(""), format);
+          });
+    if (!track)
+      post({ .said = "the track of '" + film.film() + "' is faulty: " + track.error().text() });
+    film_number_ = heard->film;
+    known_track_
+        = track ? std::make_shared<tactile::Track>(*track) : std::make_shared<tactile::Track>(1, 1);
+  }
+  g_autofree gchar *name = g_uri_escape_string(film.film().c_str(), nullptr, TRUE);
+  post({ .heard = heard,
+         .film = "heard://" + std::to_string(heard->film) + "/" + name,
+         .track = known_track_ });
+}
+
+void
+FilmListener::post(News news)
+{
+  const std::lock_guard lock(mutex_);
+  news_.push_back(std::move(news));
+  if (source_ != nullptr)
+    return;
+  source_ = g_idle_source_new();
+  g_source_set_priority(source_, G_PRIORITY_DEFAULT);
+  g_source_set_callback(source_, on_news, this, nullptr);
+  g_source_attach(source_, context_);
+}
+
+gboolean
+FilmListener::on_news(gpointer data)
+{
+  auto *self = static_cast<FilmListener *>(data);
+  std::vector<News> news;
+  {
+    const std::lock_guard lock(self->mutex_);
+    news.swap(self->news_);
+    g_clear_pointer(&self->source_, g_source_unref);
+  }
+  for (const News &one : news)
+    self->take(one);
+  return G_SOURCE_REMOVE;
+}
+
+void
+FilmListener::take(const News &news)
+{
+  const Time now = local_time();
+  if (!news.said.empty())
+    said_(news.said);
+  if (!news.gone.empty()) {
+    events_.gone(news.gone);
+    return;
+  }
+  if (news.lost) {
+    events_.reported({ .received = now, .doing = Doing::stalled, .film = film_ });
+    return;
+  }
+  if (!news.heard)
+    return;
+  film_ = news.film;
+  track_ = news.track;
+  const double since = static_cast<double>((now - news.heard->at + settings_.latency).count());
+  const Time position = news.heard->position + Time(std::llround(since * news.heard->rate));
+  events_.reported({ .received = now,
+                     .asked = now,
+                     .position = position,
+                     .doing = Doing::playing,
+                     .rate = news.heard->rate,
+                     .sought = news.heard->begins,
+                     .film = film_ });
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/pipeline.h"
+#include "follow/players/player.h"
+#include "library/heard.h"
+#include "listen/listener.h"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+/// Listens which film of the catalogue plays, and reports it like a player. Sound is neither kept
+/// nor sent anywhere. Of the thread of the main context in which it was made; a thread of its own
+/// listens.
+class FilmListener : public follow::Player
+{
+public:
+  struct Settings
+  {
+    /// Empty: the microphone; "monitor": the sound that this computer plays; a path or URI of a
+    /// sound, which is played silently; otherwise the name of a source of PulseAudio or PipeWire.
+    std::string source{};
+    std::string library{};     ///< folder or address of the catalogue
+    follow::Time latency{ 0 }; ///< from a sound at the screen to its time stamp here
+  };
+
+  FilmListener(Settings settings, follow::PlayerEvents events,
+               std::function<void(const std::string &)> said);
+  ~FilmListener() override;
+  FilmListener(const FilmListener &) = delete;
+  FilmListener &operator=(const FilmListener &) = delete;
+
+  const std::string &name() const override
+  {
+    return name_;
+  }
+  follow::Habits habits() const override
+  {
+    return {};
+  }
+  bool yields() const override
+  {
+    return true;
+  }
+  std::shared_ptr<const tactile::Track> track() const override
+  {
+    return track_;
+  }
+
+  /// Its name for messages: "the microphone".
+  static std::string source_name(const std::string &source);
+
+private:
+  /// Of the listening thread, for the main context's.
+  struct News
+  {
+    std::optional<listen::Heard> heard{};
+    std::string film{};
+    std::shared_ptr<const tactile::Track> track{};
+    bool lost = false;
+    std::string said{};
+    std::string gone{};
+  };
+
+  void listen();
+  void hear(const listen::Catalogue &catalogue);
+  void add(GstSample *sample, listen::Listener &listener, const listen::Catalogue &catalogue);
+  void post(News news);
+  void take(const News &news);
+  static gboolean on_news(gpointer self);
+
+  const std::string name_;
+  const Settings settings_;
+  const follow::PlayerEvents events_;
+  const std::function<void(const std::string &)> said_;
+  std::shared_ptr<const tactile::Track> track_;
+  std::string film_;
+  bool is_known_ = false;
+  GMainContext *context_;
+  GCancellable *stop_;
+  std::mutex mutex_; ///< guards the next two
+  std::vector<News> news_;
+  GSource *source_ = nullptr; ///< until it was dispatched
+  follow::Time base_{ 0 };    ///< local time of running time 0
+  bool knew_ = false;         ///< of the listening thread, like the next
+  std::size_t film_number_ = 0;
+  std::shared_ptr<const tactile::Track> known_track_;
+  std::thread thread_;
+};
