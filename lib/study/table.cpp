@@ -2,6 +2,7 @@
 #include "study/table.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace study {
 
@@ -11,6 +12,13 @@ namespace {
 class Csv
 {
 public:
+  /// What a person wrote. A spreadsheet would compute what begins like a formula.
+  Csv &written(const std::string &text)
+  {
+    const bool is_formula
+        = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+    return field(is_formula ? "'" + text : text);
+  }
   Csv &field(const std::string &text)
   {
     if (!at_begin_)
@@ -51,15 +59,6 @@ private:
   std::string text_;
   bool at_begin_ = true;
 };
-
-std::string
-joined(const std::vector<std::string> &words)
-{
-  std::string text;
-  for (const std::string &word : words)
-    text += (text.empty() ? "" : " ") + word;
-  return text;
-}
 
 std::string
 joined(const Settings &levels)
@@ -151,7 +150,7 @@ answer_table(const Folder &folder)
       csv.field(question.name)
           .field(name_of(question.kind))
           .field(is_text ? "" : answer.text)
-          .field(is_text ? answer.text : "")
+          .written(is_text ? answer.text : "")
           .field(date_text(answer.at))
           .field(answer.response)
           .field(participant->study_sum())

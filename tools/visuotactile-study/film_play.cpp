@@ -15,6 +15,8 @@ namespace {
 
 using Outcome = study::Play::Outcome;
 
+constexpr const char *kNoNoise = "no-noise"; ///< the masking noise was not heard
+
 std::string
 setting(const study::Settings &settings, const char *name, const char *otherwise = "")
 {
@@ -93,6 +95,10 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
       },
       this, nullptr);
   const double noise = g_ascii_strtod(setting(order.settings, "noise", "0").c_str(), nullptr);
+  if (!order.window)
+    result_.doubts.emplace_back("not-shown");
+  if (noise > 0 && !order.window)
+    result_.doubts.emplace_back(kNoNoise);
   if (noise > 0 && order.window) {
     noise_ = make_pipeline("audiotestsrc wave=pink-noise volume=" + study::write_number(noise)
                            + " ! audioconvert ! audioresample ! autoaudiosink");
@@ -236,21 +242,24 @@ void
 FilmPlay::end(Outcome outcome, const std::string &text)
 {
   watch_ = 0;
+  // Motors to zero before all that may take its time: an audio server may hang, and what a picture's
+  // sink has counted is gone once it pauses.
+  gst_element_set_state(chair_.get(), GST_STATE_PAUSED);
   if (noise_) {
     const Owned<GstBus> bus(gst_element_get_bus(noise_.get()));
     if (GstMessage *error = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
-      result_.chair = "the masking noise could not be played";
+      result_.doubts.emplace_back(kNoNoise);
       gst_message_unref(error);
     }
   }
   noise_.reset();
-  count_frames();                                           // they are gone after PLAYING
-  gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
+  count_frames();
   result_.outcome = outcome;
   result_.text = text;
   if (!is_audio_ && result_.chair.empty())
     try {
-      is_simulated(chair_.get(), told_);
+      if (is_simulated(chair_.get(), told_))
+        result_.doubts.emplace_back("simulated");
     } catch (const std::runtime_error &error) {
       result_.chair = error.what();
     }

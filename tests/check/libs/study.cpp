@@ -19,6 +19,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -136,7 +137,12 @@ play(Folder &folder, Participant &participant, const std::string &outcome = "end
 {
   const std::string step = participant.step().name;
   add(folder, participant, Event("play", at).add("step", step).add("trace", std::string("t")));
-  add(folder, participant, Event("played", at).add("step", step).add("outcome", outcome));
+  add(folder, participant,
+      Event("played", at)
+          .add("step", step)
+          .add("outcome", outcome)
+          .add("commands", std::int64_t{ 7 })
+          .add("frames", std::int64_t{ 9 }));
 }
 
 } // namespace
@@ -254,10 +260,15 @@ GST_START_TEST(test_faults_are_named)
     { "when=touch:on", { "when=touch:up", "[question QA] when" } },
     { "levels=off;on;", { "levels=off;", "[factor touch] levels: expected two or more" } },
     { "[factor touch]", { "[factor session]", "[factor session]" } },
+    { "[factor touch]", { "[factor value]", "[factor value]" } },
+    { "[factor touch]", { "[factor if]", "[factor if]" } },
     { "[question E]", { "[qestion E]", "[qestion E]: unknown" } },
     { "people=4", { "people=none", "[study] people: expected a number from 1 to 10000" } },
     { "high=100", { "high=0", "[question Q1] high" } },
     { "levels=off;on;", { "levels=off;on;on;", "'on' is there twice" } },
+    { "time=at-end",
+      { "time=at-end\nwhen=touch:on;", "[question E] when: expected a factor between" } },
+    { "when=touch:on;", { "when=touch:on;touch:off;", "[question QA] when: expected one level" } },
   };
   fail_unless(study::read_study(good).has_value());
   for (const auto &[from, to] : faults) {
@@ -315,13 +326,13 @@ GST_START_TEST(test_steps)
         fail_unless(!one.answer(step.name, "2.5", 1).has_value());
         fail_unless(!one.answer(step.name, "4", 1).has_value());
       }
-      answer(*folder, one, step.name == "end/E" ? "a, \"b\"\nc" : "3");
+      answer(*folder, one, step.name == "end/E" ? "=a, \"b\"\nc" : "3");
     }
   }
   fail_unless(has_rested);
   fail_unless(one.state() == Participant::State::done);
   fail_unless_equals_uint64(one.answers().size(), 5);
-  fail_unless(study::answer_table(*folder).find("\"a, \"\"b\"\"\nc\"") != std::string::npos);
+  fail_unless(study::answer_table(*folder).find("\"'=a, \"\"b\"\"\nc\"") != std::string::npos);
 }
 GST_END_TEST
 
@@ -411,6 +422,20 @@ GST_START_TEST(test_marks)
   const std::vector<std::string> marks{ "repeated", "failed", "late", "dropped-frames", "chair" };
   fail_unless(one.marks(1) == marks);
   fail_unless(folder->find("P01")->marks(2).empty(), "not yet");
+  while (one.step().kind != Step::Kind::film)
+    answer(*folder, one, one.step().kind == Step::Kind::question ? "3" : "",
+           study::now() + one.rest_left());
+  add(*folder, one, Event("play").add("step", std::string("2/film")));
+  add(*folder, one,
+      Event("played")
+          .add("step", std::string("2/film"))
+          .add("outcome", std::string("ended"))
+          .add("doubts", std::string("no-noise simulated")));
+  const bool has_touch = one.condition(2).levels.at("touch") == "on";
+  std::vector<std::string> empty{ "no-noise", "simulated", "not-shown" };
+  if (has_touch)
+    empty.emplace_back("no-commands");
+  fail_unless(one.marks(2) == empty, "nothing was seen or felt");
 }
 GST_END_TEST
 
@@ -461,9 +486,115 @@ GST_START_TEST(test_changed_study)
   const auto folder = files.open();
   fail_unless_equals_uint64(folder->participants()[0]->steps().size(), steps);
   Participant &two = **folder->start("0.1");
-  fail_unless(two.study().question("H2")->text == "It felt late");
-  fail_unless(two.study().question("H1")->labels.size() == 2);
+  const auto &questions = two.study().questions;
+  fail_unless(questions.back().name == "H2" && questions.back().text == "It felt late");
+  fail_unless(questions[questions.size() - 2].labels.size() == 2);
   fail_unless(two.study_sum() != folder->participants()[0]->study_sum());
+}
+GST_END_TEST
+
+/// A file of the study lies in its folder, and no item takes the place of a question.
+GST_START_TEST(test_files_of_a_study)
+{
+  const StudyFolder files;
+  const std::string form = "[questionnaire H]\nkind=likert\nlabels=a;b;\nfile=";
+  std::ofstream(files.path() + "/h.txt") << "It felt right\n";
+  fail_unless(study::whole_study(form + "h.txt", files.path()).has_value());
+  for (const std::string &name :
+       std::vector<std::string>{ "../h.txt", files.path() + "/h.txt", "a/../../h.txt", "" }) {
+    const auto whole = study::whole_study(form + name, files.path());
+    fail_unless(!whole && whole.error().find("in the study's folder") != std::string::npos, "%s",
+                name.c_str());
+  }
+  const auto twice = study::whole_study(form + "h.txt\n[question H1]\ntext=Mine\n", files.path());
+  fail_unless(!twice && twice.error().starts_with("[question H1]"));
+}
+GST_END_TEST
+
+/// So many combinations that a product of them would not fit into memory.
+GST_START_TEST(test_too_many_conditions)
+{
+  std::string text = kStudy;
+  for (int i = 0; i < 30; i++)
+    text += "[factor f" + std::to_string(i) + "]\nlevels=a;b;\n";
+  const auto study = study::read_study(text);
+  fail_unless(!study && study.error().find("at most 32 sessions") != std::string::npos);
+}
+GST_END_TEST
+
+/// What began as a journal is known, whatever became of it, and blocks nobody else.
+GST_START_TEST(test_damaged_journal)
+{
+  const StudyFolder files;
+  {
+    const auto folder = files.open();
+    for (int i = 0; i < 3; i++)
+      fail_unless(folder->start("0.1").has_value());
+  }
+  std::ofstream(files.path() + "/data/P03.journal") << "nonsense\n";
+  const auto folder = files.open();
+  fail_unless_equals_uint64(folder->participants().size(), 2);
+  fail_unless(folder->damaged().contains("P03"));
+  fail_unless((*folder->start("0.1"))->name() == "P04", "its number is not given again");
+  const auto all = study::overview(*folder, nullptr, study::Phase::ready, 0);
+  fail_unless(all.find("{\"name\": \"P03\", \"state\": \"damaged\"") != std::string::npos);
+  fail_unless(folder->forget("P03").has_value());
+  fail_unless(folder->damaged().empty());
+  fail_unless(folder->find("P03")->state() == Participant::State::forgotten);
+  // One that the list did not have.
+  fs::copy_file(files.path() + "/data/P01.journal", files.path() + "/data/P05.journal");
+  const std::string before = files.read("data/P05.journal");
+  fail_unless(!folder->start("0.1").has_value());
+  fail_unless(files.read("data/P05.journal") == before);
+}
+GST_END_TEST
+
+/// A list that cannot be read is no empty list.
+GST_START_TEST(test_unreadable_data)
+{
+  const StudyFolder files;
+  fail_unless(Folder::open(files.path(), Folder::Use::reads).has_value(), "no data yet");
+  std::ofstream(files.path() + "/data") << "x";
+  fail_unless(!Folder::open(files.path(), Folder::Use::reads).has_value());
+}
+GST_END_TEST
+
+/// Without room for the new journal, the participant is still there, to be forgotten later.
+GST_START_TEST(test_forget_is_cut_off)
+{
+  const StudyFolder files;
+  {
+    const auto folder = files.open();
+    Participant *one = *folder->start("0.1");
+    answer(*folder, *one, "7");
+    std::ofstream(folder->data(*folder->next_trace(*one, 0))) << "x";
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit none{ .rlim_cur = 0, .rlim_max = before.rlim_max };
+    setrlimit(RLIMIT_FSIZE, &none);
+    fail_unless(!folder->forget("P01").has_value());
+    setrlimit(RLIMIT_FSIZE, &before);
+  }
+  const auto folder = files.open();
+  fail_unless(folder->find("P01") != nullptr);
+  fail_unless(!fs::exists(folder->data("P01")), "traces first");
+  fail_unless(folder->forget("P01").has_value());
+  fail_unless((*folder->start("0.1"))->name() == "P02");
+}
+GST_END_TEST
+
+/// The last point of the scale is one of its steps.
+GST_START_TEST(test_simulated_answers_are_on_the_scale)
+{
+  std::string text = kStudy;
+  text.replace(text.find("high=100"), 8, "high=100\nstep=10");
+  const StudyFolder files(text);
+  const auto folder = files.open();
+  for (int i = 0; i < 4; i++) {
+    const auto done = study::simulate_participant(*folder, { .effect = 400 });
+    fail_unless(done.has_value(), "%s", done ? "" : done.error().c_str());
+  }
 }
 GST_END_TEST
 
@@ -560,6 +691,12 @@ study_suite(void)
   tcase_add_test(tests, test_marks);
   tcase_add_test(tests, test_drop_and_forget);
   tcase_add_test(tests, test_changed_study);
+  tcase_add_test(tests, test_files_of_a_study);
+  tcase_add_test(tests, test_too_many_conditions);
+  tcase_add_test(tests, test_damaged_journal);
+  tcase_add_test(tests, test_unreadable_data);
+  tcase_add_test(tests, test_forget_is_cut_off);
+  tcase_add_test(tests, test_simulated_answers_are_on_the_scale);
   tcase_add_test(tests, test_timing);
   tcase_add_test(tests, test_simulated_people);
   tcase_add_test(tests, test_pages);
