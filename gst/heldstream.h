@@ -6,7 +6,7 @@
 #include <deque>
 #include <functional>
 
-/// Buffers and serialized events of a pad that are held until so much of the stream has come after
+/// Holds the buffers and serialized events of a pad until a given time of the stream has come after
 /// them. Nothing here blocks. Streaming thread, or while there is none.
 class HeldStream
 {
@@ -28,7 +28,7 @@ public:
   /// Takes a buffer, and passes those that `time` of the stream follows. Buffers without a duration
   /// hold nothing back.
   GstFlowReturn hold(GstBuffer *buffer, GstClockTime time);
-  /// Takes an event that comes after what is held.
+  /// Takes an event, which comes after the held items.
   gboolean hold(GstEvent *event);
   /// Shows the held buffers, the next one first, until one is `enough`.
   void look_through(const std::function<bool(GstBuffer *)> &enough) const;

@@ -15,7 +15,7 @@ is_live(GstQuery *answered)
   return live;
 }
 
-/// Whether what comes to a sink pad goes on whatever its element does.
+/// Whether the upstream of a sink pad is live: it does not wait for the element.
 inline bool
 is_live(GstPad *sink_pad)
 {
@@ -23,7 +23,7 @@ is_live(GstPad *sink_pad)
   return gst_pad_peer_query(sink_pad, query) && is_live(query);
 }
 
-/// Adds an element's own latency to the answer of what is before it.
+/// Adds an element's own latency to the answer of its upstream.
 inline void
 add(GstQuery *answered, GstClockTime own)
 {

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-/// Which part of a film's sound is felt. The values are 0 for none, else 1 + a profile's index.
+/// The felt part of a film's sound: 0 for none, else 1 + a profile's index.
 enum class SoundMode
 {
   off,

@@ -194,11 +194,11 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   const saliency::Saliency &found = analyzer_->analyze(
       mapping->view(), time, std::max(duration, analysis_period(settings.max_rate)),
       settings.temporal);
-  if (found.cut) { // what has been found in the last shot is no longer there
+  if (found.cut) { // the finds of the last shot are gone
     top_down_->reset();
     viewport_.reset();
   }
-  Placement placement = read->placement; // of the frame in what was analyzed
+  Placement placement = read->placement; // of the frame in the analyzed picture
   placement.offset_x -= mapping->left();
   placement.offset_y -= mapping->top();
   const cv::Mat &saliency = weigh(settings, frame, placement, mapping->view(), found, time);

@@ -43,9 +43,8 @@ public:
   /// How often a frame of this size may be halved before analyze().
   int halvings(const SaliencySettings &settings, int width, int height);
 
-  /// Analyzes what was read of a frame, with the metas of the frame. False if nothing can be read
-  /// (`read` may be NULL); the map is silent then. Throws only where memory is out: std::bad_alloc,
-  /// or OpenCV's exception.
+  /// Analyzes a read frame with its metas. False if it cannot be read (`read` may be NULL); the map
+  /// is silent then. Throws only where memory is out: std::bad_alloc, or OpenCV's exception.
   bool analyze(const SaliencySettings &settings, tactile::Orientation orientation,
                const ReadFrame *read, GstBuffer *frame, saliency::Time time,
                saliency::Time duration);

@@ -18,7 +18,7 @@ public:
     visuotactile::Time duration{ 0 };
   };
 
-  /// By how many frames a time stamp may step back in a stream that goes on. Frames in the order of
+  /// Frames by which a time stamp may step back in a continuous stream. Frames in the order of
   /// decoding step back by as many as are between two references, of which encoders make up to 7.
   static constexpr int kReorder = 8;
 

@@ -6,5 +6,5 @@
 #include <memory>
 
 /// Shrinks frames with the feature memory:GLMemory by OpenGL, at least one halving. NULL where the
-/// module for that (gst/saliency/gl) is not there. It is loaded when first used.
+/// module for that (gst/saliency/gl) is missing. It is loaded on first use.
 std::unique_ptr<FrameShrinker> make_gl_shrinker(GstCaps *caps, int halvings);

@@ -41,7 +41,7 @@ public:
   /// Analyzes the rest of the sound.
   void drain(const Settings &settings, const MapSink &sink);
 
-  /// Forgets what came, for a seek.
+  /// Drops the sound so far, for a seek.
   void reset();
 
 private:

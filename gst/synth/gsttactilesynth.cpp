@@ -192,7 +192,8 @@ play_map(GstTactileSynth *self, GstBuffer *buffer)
   if (is_gap)
     play.silence(shown.start);
   else
-    play.plan(shown.start, shown.duration, map.levels);
+    play.plan(shown.start, shown.duration, map.levels,
+              static_cast<double>(gst_buffer_get_tactile_frequency(buffer)));
   priv->last_end = shown.end();
   return priv->output.push_until(shown.end() - play.lead());
 }

@@ -28,7 +28,7 @@ to_clock_time(Time time)
   return static_cast<GstClockTime>(time.count());
 }
 
-/// Stream time of a running time. That of the segment's begin for what is before it.
+/// Stream time of a running time; before the segment, that of its begin.
 guint64
 stream_time(const GstSegment &segment, Time running)
 {
@@ -207,7 +207,7 @@ SynthOutput::negotiate(const SynthSettings &settings, guint rows, guint columns)
 
 /* ---- samples ---- */
 
-/// Its timestamps are running times.
+/// Sends a segment whose timestamps are running times.
 void
 SynthOutput::send_segment()
 {

@@ -234,6 +234,7 @@ put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
   if (own != nullptr && (mix != Mix::replace || (covers && held->is_sound))) {
     TactileMap film(static_cast<int>(own->rows), static_cast<int>(own->columns));
     std::copy_n(own->levels, film.levels.size(), film.levels.begin());
+    film.frequency = gst_buffer_get_tactile_frequency(frame);
     const gint64 length
         = GST_BUFFER_DURATION_IS_VALID(frame) ? static_cast<gint64>(GST_BUFFER_DURATION(frame)) : 0;
     map = priv->fusion.mix(fusion::Time(time), fusion::Time(time + length), film, map, mix);
@@ -245,6 +246,7 @@ put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
   GstTactileMeta *put = gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows),
                                                     static_cast<guint>(map.columns),
                                                     map.levels.data(), map.levels.size());
+  gst_buffer_set_tactile_frequency(frame, map.frequency);
   if (own == nullptr)
     gst_tactile_meta_set_video_direction(put, direction_at(GST_PAD(self->videopad)));
 }

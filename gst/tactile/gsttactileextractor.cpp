@@ -88,6 +88,7 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   gsize n_levels = 0;
   const gfloat *levels = gst_tactile_meta_get_levels(meta, &n_levels);
   GstBuffer *map = gst_tactile_map_buffer_new(levels, n_levels);
+  gst_buffer_set_tactile_frequency(map, gst_buffer_get_tactile_frequency(frame));
   GST_BUFFER_PTS(map) = pts;
   GST_BUFFER_DURATION(map) = duration;
   if (has_sound_meta(frame))

@@ -395,6 +395,7 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
                                                     static_cast<guint>(map->columns),
                                                     map->levels.data(), map->levels.size());
   gst_tactile_meta_set_video_direction(put, direction_at(pad));
+  gst_buffer_set_tactile_frequency(frame, map->frequency);
   return GST_PAD_PROBE_OK;
 }
 

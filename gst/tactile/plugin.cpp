@@ -2,11 +2,13 @@
 #include "gsttactileelements.h"
 
 #include <gst/gst.h>
+#include <gst/tactile/tactile.h>
 
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
   gboolean registered = FALSE;
+  gst_tactile_meta_get_info(); // for maps of other processes
   registered |= GST_ELEMENT_REGISTER(tactilecombiner, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileconverter, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileextractor, plugin);

@@ -4,9 +4,9 @@
 #include <gst/base/gstflowcombiner.h>
 #include <gst/gst.h>
 
-/// The pads of an element that passes a stream through, from `sink` to `src`, and sends what is
-/// felt of it as maps on the pad `tactile`. One source pad may be unlinked or fail without the
-/// other. Streaming thread, or while there is none.
+/// The pads of an element that passes a stream through, from `sink` to `src`, and sends its maps on
+/// the pad `tactile`. One source pad may be unlinked or fail without the other. Streaming thread,
+/// or while there is none.
 class SplitPads
 {
 public:

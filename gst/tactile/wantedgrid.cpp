@@ -10,7 +10,7 @@ static constexpr const gchar *kName = "tactile-grid"; ///< of query and event
 
 namespace {
 
-/// False if nobody downstream of `pad` prefers a grid. Behind a tee the first one counts.
+/// False if no element downstream of `pad` prefers a grid. Behind a tee the first one counts.
 bool
 ask(GstPad *pad, guint *rows, guint *columns)
 {

@@ -11,7 +11,7 @@
 /// 3 × 3 that it accepts. Not serialized: does not wait for frames in queues.
 void wanted_grid(GstPad *pad, guint *rows, guint *columns);
 
-/// The same for maps on frames; 3 × 3 if nobody downstream of `pad` plays their maps.
+/// The same for maps on frames; 3 × 3 if no element downstream of `pad` plays their maps.
 void wanted_grid_of_frames(GstPad *pad, guint *rows, guint *columns);
 bool is_grid_query(GstQuery *query);
 void answer_grid_query(GstQuery *query, guint rows, guint columns);

@@ -293,7 +293,8 @@ private:
     return {};
   }
 
-  /// Adds and removes devices. The kernel's list is read, as it reports Bluetooth's to nobody here.
+  /// Adds and removes devices. Reads the kernel's list, because the kernel does not notify of
+  /// Bluetooth gamepads here.
   void update_gamepads()
   {
     if (!sources_.list_gamepads)

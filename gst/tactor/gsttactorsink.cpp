@@ -146,7 +146,7 @@ struct GstTactorSinkPrivate
   std::atomic<bool> ended{ false }; ///< end of stream
   UnlockedPosts posts;
 
-  std::atomic<bool> flushed{ false }; ///< and no map came since
+  std::atomic<bool> flushed{ false }; ///< no map has come since the last flush
   ClockRest clock_rest;
 
   QueueWatch queue_watch; ///< changes of state only

@@ -2,9 +2,12 @@
 #include "gsttactordeviceprovider.h"
 #include "gsttactorsink.h"
 
+#include <gst/tactile/tactile.h>
+
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
+  gst_tactile_meta_get_info(); // for maps of other processes
   return GST_ELEMENT_REGISTER(tactorsink, plugin)
          && GST_DEVICE_PROVIDER_REGISTER(tactordeviceprovider, plugin);
 }

@@ -34,14 +34,14 @@ public:
     guint64 coalesced = 0; ///< replaced by a later command for the same tactor
     /// Dropped by a flush or a stop before they were due, or because their map had expired.
     guint64 dropped = 0;
-    guint64 expired = 0;              ///< the latter: the stream or the thread got no CPU time
+    guint64 expired = 0;              ///< dropped with a map: no CPU time for stream or thread
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
     tactor::ScheduleStatistics thread_error; ///< issued − max(due, pushed)
   };
 
-  /// The state at the moment of a step.
+  /// The state at a step.
   struct Now
   {
     tactor::Time running{ 0 }; ///< running time
@@ -62,7 +62,7 @@ public:
   {
     tactor::Time running{ 0 };
     std::vector<tactor::Command> commands;    ///< that led to it
-    std::optional<std::vector<double>> volts; ///< to be written; none: the board has them
+    std::optional<std::vector<double>> volts; ///< to be written; none: the board has these volts
   };
 
   /// Forgets the last play. `full_scale_volts` is what the board makes at most.

@@ -55,7 +55,7 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
   using Kind = tactor::DriverEvent::Kind;
   switch (event.kind) {
   case Kind::opened:
-    // Also as debug text, which is what gst-launch-1.0 prints.
+    // The text is also debug text, which gst-launch-1.0 prints.
     GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
                      ("%s", event.text.c_str()));
     break;
@@ -63,7 +63,8 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
     break;
   case Kind::not_stopped:
-    // Also where nobody reads messages any more: the pipeline goes to NULL, or the process ends.
+    // Printed, too, as nobody may read messages any more: the pipeline goes to NULL, or the process
+    // ends.
     g_printerr("tactorsink: %s\n", event.text.c_str());
     GST_ELEMENT_WARNING(element, RESOURCE, CLOSE, ("%s", event.text.c_str()), (nullptr));
     post(element, gst_structure_new("tactor-device-not-stopped", "reason", G_TYPE_STRING,

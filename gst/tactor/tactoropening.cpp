@@ -18,9 +18,9 @@ GST_DEBUG_CATEGORY_EXTERN(tactor_sink_debug);
 
 namespace {
 
-/// The longest latency that a live stream leads by: twice what the first answers took rather than
-/// the longest that is possible, since its picture waits all the time. 40 ms at least: what was not
-/// measured yet may turn out to be longer.
+/// The lead of a live stream: twice the time of the first answers rather than the longest possible
+/// time, because its picture always waits for it. At least 40 ms, because later answers may take
+/// longer.
 Time
 live_latency(const tactor::Driver &driver)
 {

@@ -51,9 +51,9 @@ public:
   /// All tactors to zero when the last map's frame ends.
   Plan plan_rest();
 
-  /// All motors have been at zero since this running time, which goes on.
+  /// All motors have been at zero since this running time. Running time continues.
   void silenced(tactor::Time since);
-  /// A flush at this running time is over, and running time restarts or goes on.
+  /// A flush at this running time is over. Running time restarts or continues.
   void flushed(tactor::Time at, bool resets_time);
 
   /// Cues cut by the limits since start().
@@ -70,7 +70,7 @@ private:
   tactor::PlannerSettings agreed_;
   std::shared_ptr<tactor::DeviceAccount> account_;
   int tactors_ = 0;        ///< of the board
-  tactor::Layout layout_;  ///< of it
+  tactor::Layout layout_;  ///< of the board
   guint checked_rows_ = 0; ///< grid compared with the board
   guint checked_columns_ = 0;
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map

@@ -74,7 +74,7 @@ TactorPlay::play_gap(GstClockTime pts, GstClockTime duration)
     push(planning_.plan_gap(pts, duration, now));
 }
 
-/// The base class's own wait for the end ends render-delay early, and goes on during a pause.
+/// The base class would end its wait render-delay early, and wait on during a pause.
 GstFlowReturn
 TactorPlay::drain()
 {
@@ -111,8 +111,8 @@ TactorPlay::flush_stopped(bool resets_time)
     planning_.flushed(flushed_at_, resets_time);
 }
 
-/// Running time stood still for these frames: where the play is paused it is the element's start
-/// time, unlike the clock's.
+/// Running time does not count these frames. In a pause, running time is the element's start time,
+/// not the clock's.
 void
 TactorPlay::stepped()
 {

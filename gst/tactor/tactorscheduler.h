@@ -77,14 +77,14 @@ public:
   void play(const std::function<bool()> &is_wanted = nullptr);
   /// Motors to zero; commands are kept.
   void pause();
-  /// Motors to zero; commands are dropped. Returns the running time of it.
+  /// Motors to zero; commands are dropped. Returns the running time of the flush.
   tactor::Time flush();
   /// Waits until every command was issued, also through a pause. Ends early if an interruption has
   /// begun since the count.
   void drain(std::uint64_t interruptions);
   void interrupt(bool interrupted);
-  /// Interruptions that are over. Take the count before releasing the lock that keeps others from
-  /// interrupting: an interruption may begin and end before the wait does.
+  /// The number of interruptions that are over. Take it before releasing the lock that keeps others
+  /// from interrupting: an interruption may begin and end before the wait does.
   std::uint64_t interruptions() const;
   /// While muted, motors are at zero and commands are consumed.
   void set_muted(bool muted);
@@ -173,6 +173,6 @@ private:
 
   std::unique_ptr<tactor::Driver> driver_;
   tactor::DriverStatus last_status_; ///< of the driver that was closed
-  tactor::Time last_latency_{ 0 };   ///< of it
+  tactor::Time last_latency_{ 0 };   ///< of the driver that was closed
   TactorActuation actuation_;
 };

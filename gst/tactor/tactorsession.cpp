@@ -122,8 +122,8 @@ TactorSession::wait_until_open()
   return GST_FLOW_OK;
 }
 
-/// The clock's time now, of a live source. Once more the lead is agreed on: only now it is certain
-/// whether the source is live.
+/// The clock time now if the source is live, which is certain only now: the lead is agreed on
+/// again.
 std::optional<GstClockTime>
 TactorSession::opening_time()
 {
@@ -206,8 +206,8 @@ TactorSession::scheduler()
   return scheduler_;
 }
 
-/// Once the board's latency is known: data is requested so much earlier. Returns whether the source
-/// is live. Not with the preroll lock: it queries upstream and posts a message.
+/// Requests data earlier by the board's latency, once that is known. Returns whether the source is
+/// live. Not with the preroll lock: it queries upstream and posts a message.
 bool
 TactorSession::agree_on_lead()
 {

@@ -58,11 +58,11 @@ private:
 
   GstBaseSink *sink_;
   GstElement *element_; ///< the sink
-  /// The scheduler's thread's until the board is open, then the streaming thread's.
+  /// Used by the scheduler's thread until the board is open, then by the streaming thread.
   TactorOpening opening_;
-  /// Clock time at which the board was open, in a live play until a frame is shown.
+  /// Clock time at which the board became open; in a live play until a frame is shown.
   std::optional<GstClockTime> opened_;
-  // As read last, by any thread.
+  // The timing as read last, by any thread.
   mutable std::atomic<guint64> readings_{ 0 };
   mutable tactor::PriorityMutex
       timing_mutex_; ///< guards these three, and is held for no other lock

@@ -49,7 +49,7 @@ public:
   /// Whether a sound card or server is the clock.
   bool is_of_sound() const
   {
-    const GType audio_clock = g_type_from_name("GstAudioClock"); // 0 where nobody uses it
+    const GType audio_clock = g_type_from_name("GstAudioClock"); // 0 in a process without one
     return clock_ && audio_clock != 0 && G_TYPE_CHECK_INSTANCE_TYPE(clock_.get(), audio_clock);
   }
   /// To wait until a running time on the clock. Transfer full; NULL if that is before clock time 0.

@@ -43,5 +43,5 @@ public:
   }
 
 private:
-  std::atomic<GThread *> locker_{ nullptr }; ///< others see only that it is not them
+  std::atomic<GThread *> locker_{ nullptr }; ///< another thread only sees that it is not that one
 };

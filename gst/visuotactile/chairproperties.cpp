@@ -25,7 +25,7 @@ is_default(GObject *object, GParamSpec *spec)
   return g_param_value_defaults(spec, &value);
 }
 
-/// To the default without a `wanted` text. Tells nobody if it is so already.
+/// Sets a property; without a `wanted` text to the default. Notifies only of a change.
 void
 set(GObject *object, GParamSpec *spec, const std::optional<std::string> &wanted)
 {

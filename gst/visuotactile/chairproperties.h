@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-/// Gives a chair's elements what the user has set, also while a film plays. A property that the
-/// player set to other than its default stays the player's.
+/// Applies the user's settings to the elements of a chair, also while a film plays. A property that
+/// the player has changed from its default stays as it is.
 class ChairProperties
 {
 public:

@@ -28,7 +28,7 @@ public:
     std::strong_ordering operator<=>(const Claim &) const = default;
   };
 
-  /// A film's element, and what is called for it on a thread of GStreamer's.
+  /// A film's element, and its callbacks on a thread of GStreamer's.
   struct Film
   {
     GstElement *element;
@@ -58,6 +58,6 @@ private:
   void settle();
 
   std::mutex mutex_{};
-  Claimant holder_{}; ///< without an element: nobody
+  Claimant holder_{}; ///< without an element: none
   std::deque<Claimant> waiting_{};
 };

@@ -81,7 +81,7 @@ FrameTap::query(GstPad *pad, GstObject *, GstQuery *query)
          && gst_pad_peer_query(static_cast<GstPad *>(gst_pad_get_element_private(pad)), query);
 }
 
-/// Also while no frame passes.
+/// Follows events, also while no frame passes.
 void
 FrameTap::follow(GstEvent *event)
 {

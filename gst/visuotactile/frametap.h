@@ -15,8 +15,8 @@
 class FrameTap
 {
 public:
-  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. Flushes reach
-  /// the gate. `changed` is called when ended() or pixels() may have changed.
+  /// `watched` is a sink pad, `branch` one that drops data that it cannot take in time. Flushes
+  /// reach the gate. `changed` is called when ended() or pixels() may have changed.
   FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
@@ -50,7 +50,7 @@ private:
   gulong probe_ = 0;
   GroupShift shift_;
   guint32 seqnum_ = GST_SEQNUM_INVALID; ///< of the segment
-  std::atomic<bool> told_{ false };     ///< the branch knows the stream
+  std::atomic<bool> told_{ false };     ///< the branch has got the events of the stream
   std::atomic<bool> open_{ false };
   std::atomic<bool> ended_{ false };
   std::atomic<gint64> pixels_{ 0 };

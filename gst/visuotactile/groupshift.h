@@ -5,11 +5,11 @@
 
 #include <mutex>
 
-/// The running time of the sinks minus that of a decoder. In a gapless play each film
-/// begins at zero in its decoder, and playbin's streamsynchronizer, which is behind it, adds how
-/// long the films before it were. A film's own length is the first estimate; upstream events of the
-/// sinks carry the exact value (gst_event_get_running_time_offset()). Events of sinks come on any
-/// thread, the rest on the streaming thread.
+/// The running time of the sinks minus that of a decoder. In a gapless play each film begins at
+/// zero in its decoder, and playbin's streamsynchronizer, which is behind it, adds the lengths of
+/// the films before. A film's own length is the first estimate; upstream events of the sinks carry
+/// the exact value (gst_event_get_running_time_offset()). Events of sinks come on any thread, the
+/// rest on the streaming thread.
 class GroupShift
 {
 public:

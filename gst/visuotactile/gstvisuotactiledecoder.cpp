@@ -166,7 +166,7 @@ gst_visuotactile_decoder_sink_event(GstPad *pad, GstObject *parent, GstEvent *ev
 
 /* ---- the picture ---- */
 
-/// How much later than without the chair the frames of a live source are shown.
+/// Delay of the frames of a live source because of the chair.
 static GstClockTime
 gst_visuotactile_decoder_live_latency(GstVisuotactileDecoder *self)
 {

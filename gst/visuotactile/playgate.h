@@ -5,9 +5,9 @@
 
 #include <mutex>
 
-/// Holds the buffers of a pad back from a flush until the pipeline plays again. Sinks that preroll
-/// do that by themselves. One that does not would play while the pipeline prerolls, and on through
-/// a pause that comes meanwhile: GStreamer (1.22) pauses only what has lost its state.
+/// Blocks the buffers of a pad from a flush until the pipeline plays again, as sinks that preroll
+/// do by themselves. Another sink would play while the pipeline prerolls, and through a pause in
+/// this time: GStreamer (1.22) pauses only elements that have lost their state.
 class PlayGate
 {
 public:
@@ -31,6 +31,6 @@ private:
   GstElement *owner_;
   GstPad *pad_;
   std::mutex mutex_{};
-  bool flushed_ = false; ///< and nothing else since
+  bool flushed_ = false; ///< nothing has passed since a flush
   gulong closed_ = 0;    ///< the probe that blocks the pad
 };

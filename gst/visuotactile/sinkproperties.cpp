@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Which child a property is forwarded to.
+/// The child to which a property is forwarded.
 enum class Owner
 {
   self,

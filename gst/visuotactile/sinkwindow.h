@@ -7,5 +7,5 @@
 void gst_visuotactile_sink_overlay_init(gpointer iface, gpointer data);
 void gst_visuotactile_sink_navigation_init(gpointer iface, gpointer data);
 
-/// Applies what was set before there was a video sink.
+/// Applies the window settings of before there was a video sink.
 void gst_visuotactile_sink_apply_window(GstVisuotactileSink *self, GstElement *shown);

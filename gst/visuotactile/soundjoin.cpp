@@ -270,7 +270,7 @@ gst_sound_join_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return TRUE;
 }
 
-/// The framerate is known before what is held has passed.
+/// Reads the framerate, before the held maps pass.
 static void
 read_framerate(GstSoundJoin *self, GstEvent *event)
 {

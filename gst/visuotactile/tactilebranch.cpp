@@ -25,7 +25,7 @@ using Elements = std::vector<GstElement *>;
 struct _GstTactileBranch
 {
   GstBin parent;
-  GstElement *queue; ///< what comes in, frames or maps
+  GstElement *queue; ///< of the input, frames or maps
   Elements *rest;    ///< from there to tactorsink; own references: they may be out of the bin
 
   /* Object lock. */

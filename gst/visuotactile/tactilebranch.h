@@ -18,7 +18,7 @@ G_DECLARE_FINAL_TYPE(GstTactileBranch, gst_tactile_branch, GST, TACTILE_BRANCH, 
 /// Floating; NULL if tactorsink is missing.
 GstTactileBranch *gst_tactile_branch_new(const gchar *name);
 
-/// One that takes frames. Floating; NULL if saliencytactile, tactileextractor or tactorsink is
+/// A branch that takes frames. Floating; NULL if saliencytactile, tactileextractor or tactorsink is
 /// missing.
 GstTactileBranch *gst_tactile_branch_new_with_analysis(const gchar *name);
 

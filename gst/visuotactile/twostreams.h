@@ -7,6 +7,6 @@
 /// as in a gapless play. GstQueue (1.22 to 1.28) stops for good then: STREAM_START "restarts" a
 /// thread that runs, which then comes to the old EOS and pauses.
 ///
-/// So the queue gets EOS as a custom event, and its source pad makes EOS of it. A queue that leaks,
-/// or whose buffers are answered with EOS, may drop it as it drops data.
+/// Therefore the queue gets EOS as a custom event, and its source pad makes EOS of it. A queue that
+/// leaks, or whose buffers are answered with EOS, may drop it as it drops data.
 void let_streams_follow(GstElement *queue);

@@ -36,7 +36,7 @@ student(int freedom)
                / (384 * n * n * n);
 }
 
-/// Which terms of the quadratic form are fitted; those of the others are 0.
+/// The fitted terms of the quadratic form; the others are 0.
 constexpr std::array<std::size_t, 6> kAll{ 0, 1, 2, 3, 4, 5 };
 constexpr std::array<std::size_t, 3> kOfOffset{ 0, 1, 3 };
 

@@ -70,7 +70,7 @@ using Values = std::map<std::string, std::string>;
 struct Settings
 {
   Values values{};                       ///< valid ones by key
-  std::vector<std::string> complaints{}; ///< what was not: a line each
+  std::vector<std::string> complaints{}; ///< invalid ones: a line each
   bool others = false;                   ///< whether another program is switched on
 
   /// Switched on or off for this program. Where nothing is said: `otherwise`.

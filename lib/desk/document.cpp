@@ -27,8 +27,8 @@ times_of(const Cue &cue)
   return std::to_string(cue.start) + " to " + std::to_string(cue.end) + " ms";
 }
 
-/// Splices in a row. Cues are moved between what is before the place of a splice and what is after,
-/// so that one near the last costs little, however many cues there are.
+/// Applies splices in a row. Cues move between the part before the place of a splice and the part
+/// after it, so that a splice near the last one costs little, whatever the number of cues.
 class Splicing
 {
 public:
@@ -85,13 +85,13 @@ private:
   std::size_t steps_ = 0;
 };
 
-/// At most what a cue takes in a file.
+/// Upper bound for the size of a cue in a file.
 std::size_t
 size_in_file(const Cue &cue)
 {
-  constexpr std::size_t kTimes = 64;
-  constexpr std::size_t kLevel = 6; // "100%" and a line end
-  constexpr std::size_t kNote = 16; // "NOTE" and line ends
+  constexpr std::size_t kTimes = 64; // and a frequency
+  constexpr std::size_t kLevel = 6;  // "100%" and a line end
+  constexpr std::size_t kNote = 16;  // "NOTE" and line ends
   std::size_t size = kTimes + kLevel * cue.levels.size();
   for (const std::string &note : cue.notes)
     size += kNote + 2 * note.size(); // each \n may become \r\n
@@ -145,6 +145,8 @@ Document::check(const Cue &cue) const
                    + std::to_string(cue.levels.size()));
   if (std::ranges::any_of(cue.levels, [](int level) { return level > kMostPercent; }))
     return refused("expected levels from 0 to 100");
+  if (cue.frequency < 0 || cue.frequency > tactile::kHighestFrequency)
+    return refused("expected a frequency from 0 to 1000 Hz");
   if (cue.notes.size() > tactile::kMostWebvttNotes
       || !std::ranges::all_of(cue.notes, tactile::is_webvtt_note))
     return refused("expected at most " + std::to_string(tactile::kMostWebvttNotes) + " notes of "
@@ -165,7 +167,7 @@ Document::check_order() const
   return {};
 }
 
-/// Makes the size exact if it may be too large.
+/// Computes the exact size if the bound may be too large.
 Applied
 Document::check_size(std::size_t &size) const
 {
@@ -228,7 +230,7 @@ Document::text() const
 tactile::TactileMap
 Document::map(const Cue &cue) const
 {
-  return tactile::map_of(cue.levels, grid_);
+  return tactile::map_of(cue, grid_);
 }
 
 tactile::Track

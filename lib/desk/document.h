@@ -12,7 +12,7 @@
 
 namespace desk {
 
-/// A track that is edited: the text of its file, and its cues now. A value type.
+/// A track under edit: the text of its file, and its present cues. A value type.
 class Document
 {
 public:
@@ -40,18 +40,18 @@ public:
     return cues_;
   }
 
-  /// Applies the splices one after the other, and returns those that take them back; or none of
-  /// them, and returns the error. The time grows with the cues between one splice and the next,
-  /// which is limited: any number of splices fits in their order.
+  /// Applies all splices in order and returns those that undo them, or applies none and returns the
+  /// error. The time grows with the cues between one splice and the next, which is limited: any
+  /// number of splices fits in their order.
   tl::expected<std::vector<Splice>, std::string> apply(const std::vector<Splice> &splices);
 
-  /// The file with the cues as they are now.
+  /// The file with the present cues.
   std::string text() const;
 
   /// The levels of a cue that fits.
   tactile::TactileMap map(const Cue &cue) const;
 
-  /// The track with the cues as they are now.
+  /// The track with the present cues.
   tactile::Track track() const;
 
 private:
@@ -66,7 +66,7 @@ private:
   double rate_;
   std::vector<Cue> cues_;
   std::size_t most_;
-  std::size_t size_; ///< of the file at most
+  std::size_t size_; ///< an upper bound for the file
 };
 
 } // namespace desk

@@ -8,9 +8,9 @@
 /// Versions of a file.
 namespace desk {
 
-/// Keeps what a file has now as "PATH.desk~N~", with N one above the highest, and removes those
-/// that are `most` older. Returns its name without the folder; empty if there is no file. Other
-/// programs name theirs "PATH.~N~": these are left alone.
+/// Keeps the present content of a file as "PATH.desk~N~", with N one above the highest, and removes
+/// those that are `most` older. Returns the name without the folder; empty if there is no file. The
+/// "PATH.~N~" of other programs stay.
 tl::expected<std::string, std::string> keep_version(const std::string &path, int most);
 
 } // namespace desk

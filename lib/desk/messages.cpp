@@ -15,6 +15,7 @@ namespace {
 namespace json = visuotactile::json;
 
 constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMostFrequency = 1000; ///< Hz
 constexpr std::size_t kLongestName = 64;
 constexpr int kMostCells = tactile::kMaxGridSide * tactile::kMaxGridSide;
 
@@ -87,7 +88,16 @@ read_cue(JsonObject *object)
   auto levels = integers<std::uint8_t>(json::array(object, "levels"), kMostPercent);
   if (!levels)
     return expected("levels in whole percent from 0 to 100");
-  Cue cue{ .start = *start, .end = *end, .levels = *std::move(levels), .notes = {} };
+  const auto frequency = json_object_has_member(object, "frequency")
+                             ? json::integer(object, "frequency", 0, kMostFrequency)
+                             : 0;
+  if (!frequency)
+    return expected("a frequency in whole Hz from 0 to " + std::to_string(kMostFrequency));
+  Cue cue{ .start = *start,
+           .end = *end,
+           .levels = *std::move(levels),
+           .frequency = static_cast<std::int32_t>(*frequency),
+           .notes = {} };
   JsonArray *notes = json::array(object, "notes");
   if (!notes && json_object_has_member(object, "notes"))
     return expected("notes in an array");
@@ -158,6 +168,8 @@ begin_cue(JsonBuilder *builder, const Cue &cue)
   for (const int level : cue.levels)
     json_builder_add_int_value(builder, level);
   json_builder_end_array(builder);
+  if (cue.frequency > 0)
+    json_builder_add_int_value(json_builder_set_member_name(builder, "frequency"), cue.frequency);
   if (!cue.notes.empty()) {
     json_builder_begin_array(json_builder_set_member_name(builder, "notes"));
     for (const std::string &note : cue.notes)

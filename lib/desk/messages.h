@@ -19,7 +19,7 @@ using visuotactile::json::write_text;
 
 template <typename T> using Read = tl::expected<T, std::string>;
 
-/// A name that a page makes: 1 to 64 letters and digits.
+/// Whether the text is a name made by a page: 1 to 64 letters and digits.
 bool is_name(std::string_view text);
 
 struct EditMessage
@@ -30,7 +30,7 @@ struct EditMessage
   std::vector<Splice> splices;
 };
 Read<EditMessage> read_edit(std::string_view body);
-/// In one line, for the journal.
+/// Writes an edit in one line, for the journal.
 std::string write_edit(const EditMessage &message);
 
 struct OperationMessage

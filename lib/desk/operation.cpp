@@ -25,7 +25,7 @@ seconds(double value)
   return Time(std::llround(value * 1e9));
 }
 
-/// The cells that are changed, and the time.
+/// The cells and the time of a change.
 struct Part
 {
   Time begin;
@@ -134,7 +134,7 @@ known(const Operation &operation, const Track *draft)
   return found;
 }
 
-/// Writes splices down while it goes through the cues from the first to the last.
+/// Collects splices in one pass over the cues.
 class Splicer
 {
 public:

@@ -26,8 +26,8 @@ struct Operation
   Selection selection;
 };
 
-/// Which cues to remove and insert. Cues that are not affected are not touched; notes stay. Fails
-/// with what was expected: a name, a value, a draft (null if there is none).
+/// The splices of an operation. Other cues are not changed; notes stay. The error says what was
+/// expected: a name, a value, a draft (null if there is none).
 tl::expected<std::vector<Splice>, std::string>
 operate(const Document &document, const tactile::Track *draft, const Operation &operation);
 

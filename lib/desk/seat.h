@@ -7,16 +7,18 @@
 
 namespace desk {
 
-/// Which of the pages that are there may write. Not thread-safe.
+/// Grants one of the open pages the right to write. Not thread-safe.
 class Seat
 {
 public:
-  /// A page listens, perhaps to several streams of events while it loads again.
+  /// A page listens, maybe to several streams of events while it reloads.
   void listens(const std::string &page);
-  /// One of its streams has ended. Whether it was the last one, which gives the seat back.
+  /// One of its streams has ended. Returns whether it was the last one, which ends the right to
+  /// write.
   bool left(const std::string &page);
 
-  /// Whether the page writes from now on: it listens, and nobody else writes or it insists.
+  /// Returns whether the page writes from now on: it listens, and no other page writes or it
+  /// insists.
   bool take(const std::string &page, bool insists);
   void give(const std::string &page);
 

@@ -32,7 +32,7 @@ edits(std::size_t count)
   return std::to_string(count) + (count == 1 ? " edit" : " edits");
 }
 
-/// Applies edits up to the first that cannot be; returns how many were.
+/// Applies edits up to the first one that fails; returns their number.
 std::size_t
 replay(Document &document, const std::vector<std::string> &lines, std::string &last)
 {
@@ -47,7 +47,7 @@ replay(Document &document, const std::vector<std::string> &lines, std::string &l
   return count;
 }
 
-/// A name beside the track that is not taken.
+/// An unused name beside the track.
 std::string
 free_name(const std::string &path)
 {
@@ -99,7 +99,7 @@ tl::expected<std::unique_ptr<Session>, std::string>
 Session::open(const std::string &path)
 {
   std::error_code error;
-  const std::string real = fs::canonical(path, error).string(); // a link stays one
+  const std::string real = fs::canonical(path, error).string(); // a link is not replaced
   if (error)
     return tl::unexpected("'" + path + "': " + error.message());
   if (!real.ends_with(".vtt"))
@@ -155,7 +155,8 @@ Session::restore()
   });
 }
 
-/// The journal's edits are for another text: a save that was cut off, or another program's work.
+/// Keeps edits of the journal that are for another text, after a save that was cut off or another
+/// program's work.
 tl::expected<void, std::string>
 Session::recover(const Journal::Content &content)
 {

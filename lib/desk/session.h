@@ -18,10 +18,10 @@ struct Refusal
 {
   enum class Kind
   {
-    invalid, ///< it makes no sense, or cues would overlap
+    invalid, ///< it does not fit the track, or cues would overlap
     stale,   ///< it was made for another revision
     changed, ///< another program has changed the file
-    disk,    ///< it cannot be written; later it may
+    disk,    ///< the file cannot be written now
   };
   Kind kind = Kind::invalid;
   std::string text;
@@ -34,8 +34,8 @@ inline constexpr files::Journal::Kind kJournal
         .in_use = "the track is open at another desk; close that one",
         .if_full = "save the track, which empties it" };
 
-/// A track's file that is edited: what is in memory, in the journal and in the file. Whatever is
-/// refused changes nothing. Not thread-safe.
+/// A track's file under edit: its content in memory, in the journal and on the disk. A refused call
+/// changes nothing. Not thread-safe.
 class Session
 {
 public:
@@ -46,7 +46,7 @@ public:
   /// a text for the user.
   static tl::expected<std::unique_ptr<Session>, std::string> open(const std::string &path);
 
-  /// Actions of open() for the user to know.
+  /// Messages of open() for the user.
   const std::vector<std::string> &messages() const
   {
     return messages_;
@@ -63,27 +63,27 @@ public:
   {
     return revision_;
   }
-  /// The revision that is in the file.
+  /// The revision in the file.
   std::uint64_t saved() const
   {
     return saved_;
   }
 
-  /// Where an edit changed the track, in ms; nowhere if the end is not after the start.
+  /// The part of the track that an edit changed, in ms; none if the end is not after the start.
   struct Span
   {
     std::int32_t start = 0;
     std::int32_t end = 0;
   };
-  /// Applies an edit, and returns when it is on the disk. The last one again changes nothing.
+  /// Applies an edit, and returns after the disk has it. A repeated last edit changes nothing.
   tl::expected<Span, Refusal> edit(const EditMessage &message);
 
   struct Saved
   {
-    std::string kept; ///< the name of what was there; empty: nothing, or nothing has changed
+    std::string kept; ///< name of the version before; empty: there was none, or no change
   };
-  /// Refuses to replace what another program has written since the file was opened or saved here,
-  /// unless it is to be saved over.
+  /// Refuses to replace the work of another program since the file was opened or saved here, unless
+  /// `over`.
   tl::expected<Saved, Refusal> save(bool over = false);
 
   /// Removes the journal if all is saved.

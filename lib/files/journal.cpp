@@ -171,7 +171,8 @@ Journal::set_aside()
 {
   for (int number = 1;; number++) {
     const std::string name = path_ + ".damaged-" + std::to_string(number);
-    // Some file systems have no links. Nobody else gives such names: we have the journal.
+    // Some file systems have no links. No other program gives such names: we hold the journal's
+    // lock.
     if (access(name.c_str(), F_OK) == 0)
       continue;
     if (rename(path_.c_str(), name.c_str()) != 0)

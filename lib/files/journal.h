@@ -22,7 +22,7 @@ public:
     const char *in_use;      ///< what to do while another process has the file
     const char *if_full;     ///< what to do then
   };
-  /// Makes the file if it is not there. Fails if another process has it.
+  /// Makes the file if it does not exist. Fails if another process has it open.
   static tl::expected<Journal, std::string> open(const std::string &path, const Kind &kind);
 
   struct Content
@@ -31,8 +31,8 @@ public:
     std::vector<std::string> entries; ///< complete lines
     bool damaged = false;             ///< it is none of ours, or too large for one
   };
-  /// Its content. An unfinished last line, which was never answered, is left out; the next append()
-  /// cuts it off.
+  /// Reads the content. An unfinished last line, which was never answered, is skipped; the next
+  /// append() cuts it off.
   tl::expected<Content, std::string> read();
   /// The content of a file that another process may have.
   static tl::expected<Content, std::string> peek(const std::string &path, const Kind &kind);

@@ -7,8 +7,8 @@
 
 #include <tl/expected.hpp>
 
-/// The one place that opens files which a user names. A pipe that nobody writes to, a device or a
-/// folder of that name is refused; nothing waits for it.
+/// The one place that opens files which a user names. A pipe without a writer, a device or a folder
+/// of that name is refused; nothing waits for it.
 namespace files {
 
 /// A file descriptor, closed with the object.

@@ -8,7 +8,7 @@ namespace follow {
 
 namespace {
 
-/// CPU time is counted anew so often: what was not used then is not made up for.
+/// Interval after which CPU time is counted anew: unused time is not added to the next interval.
 constexpr Time kCounted = std::chrono::seconds(1);
 
 /// Key frames are seldom further apart.
@@ -55,7 +55,7 @@ AheadReader::step(Time position, Time now, Time cpu)
     choose(position, now);
 }
 
-/// Not while more is known than anybody may want, or more CPU time was used than may be.
+/// Whether reading may continue: less than kFar is known ahead, and CPU time is left.
 bool
 AheadReader::may_read(Time position, Time now, Time cpu)
 {
@@ -101,7 +101,7 @@ AheadReader::choose(Time position, Time now)
     set(reach_, tactile::Track::kMaxEnd, tactile::TactileMap(draft_->rows(), draft_->columns()));
   }
   Time want = known_until(position);
-  if (draft_ && is_all(want)) { // what was left out
+  if (draft_ && is_all(want)) { // the skipped parts
     want = draft_->known_until(Time(0));
     complete_ = is_all(want);
   }
@@ -117,7 +117,7 @@ AheadReader::choose(Time position, Time now)
     too_slow_ = true;
     seek(position + std::chrono::seconds(1), false, now);
   } else if (!exactly_ && !ended_ && want < begin_ && want > begin_ - kWait) {
-    // It plays on to there.
+    // The source reaches this part without a seek.
   } else if (ended_ || want < begin_ || want > reach_ + kSkip) {
     seek(want, true, now);
   } else if (!sought_) {

@@ -31,7 +31,7 @@ public:
   /// Continues at this film time or, unless `exactly`, at the next time that can be read at once.
   /// Drops all other maps.
   virtual void seek(Time to, bool exactly) = 0;
-  /// Why nothing more comes; empty: it may.
+  /// The reason for which no more maps come; empty: they may.
   virtual std::string failure() = 0;
   /// Whether that is a fault of a track, rather than of its file.
   virtual bool is_faulty() const
@@ -41,8 +41,7 @@ public:
 };
 
 /// Reads a film's maps ahead of its position: first those that play next, then up to ten minutes
-/// ahead, in the end the parts that were left out. CPU time limits the pace. Reads no clock; not
-/// thread-safe.
+/// ahead, at the end the skipped parts. CPU time limits the pace. Reads no clock; not thread-safe.
 class AheadReader
 {
 public:
@@ -54,7 +53,7 @@ public:
   static constexpr double kShare = 0.4;
   /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
-  /// A source that is behind the film by more, so long after a seek, is too slow.
+  /// A source that is farther behind the film, so long after a seek, is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
   static constexpr Time kPatience = std::chrono::seconds(4);
 
@@ -75,7 +74,7 @@ public:
   {
     return complete_;
   }
-  /// Whether parts are left out, as the film plays faster than it can be read.
+  /// Whether parts are skipped, as the film plays faster than it can be read.
   bool is_too_slow() const
   {
     return too_slow_;
@@ -109,7 +108,7 @@ private:
   Time begin_{ 0 };      ///< film time of the first map since the last seek
   Time reach_{ 0 };      ///< all from begin_ to here is known
   bool exactly_ = true;  ///< else begin_ is where the first map is
-  bool arrived_ = false; ///< that is known
+  bool arrived_ = false; ///< begin_ is known
   bool ended_ = false;
   bool complete_ = false;
   bool too_slow_ = false;

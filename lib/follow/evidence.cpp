@@ -16,8 +16,8 @@ constexpr double kRounding = 3e6;
 /// The largest skew of clocks of sound cards, a second.
 constexpr Time kLikelySkew = std::chrono::microseconds(200);
 
-/// One in so many reports may be too far ahead: at rate 1.25, mpv reports one frame in eight 16 ms
-/// early.
+/// One in kOutliers reports may be too far ahead: at rate 1.25, mpv reports one frame in eight 16
+/// ms early.
 constexpr std::size_t kOutliers = 5;
 
 /// Fewer reports say nothing of how densely they lie.
@@ -58,7 +58,7 @@ Evidence::bounds(const Report &report) const
            .high = position + coarseness - rate_ * count(earliest - began_) };
 }
 
-/// By how much bounds have widened.
+/// The width that bounds have gained with age.
 double
 Evidence::age(const Bounds &bounds, Time now, Time skew) const
 {

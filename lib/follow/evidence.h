@@ -11,12 +11,12 @@ namespace follow {
 /// How a player reports its position.
 struct Habits
 {
-  /// Notified reports come at once, and now and then late, by this at the most.
+  /// Notified reports come at once, but sometimes late, by this at most.
   Time latest = std::chrono::milliseconds(100);
   /// The position is rounded down to multiples of this.
   Time coarseness{ 0 };
-  /// It is not rounded but renewed now and then, after `coarseness` of local time at the latest:
-  /// the upper bound is a poor one.
+  /// The position is not rounded but updated now and then, after `coarseness` of local time at the
+  /// latest: the upper bound is a poor one.
   bool lingers = false;
   /// Most that the player's clock gains or loses on ours in a second. Sound cards have 0.2 ms;
   /// players that fit a film's frames to the screen's have more.
@@ -41,7 +41,7 @@ public:
   /// From the first report, which has a position.
   Evidence(const Report &first, const Habits &habits);
 
-  /// How far the report is off what is known, in film time: > 0 ahead of it, < 0 behind, 0 within.
+  /// Distance of the report from the bounds, in film time: > 0 ahead of them, < 0 behind, 0 within.
   Time misfit(const Report &report) const;
   /// Whether a report may belong to this stretch, rounding errors aside.
   bool fits(const Report &report) const;

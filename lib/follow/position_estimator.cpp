@@ -83,7 +83,8 @@ PositionEstimator::report(const Report &told)
   }
 }
 
-/// A report of another rate, or of a pause, goes on where the film is.
+/// The position of a report that has none, such as a pause or another rate, is the estimate before
+/// it.
 Report
 PositionEstimator::with_position(const Report &report, const std::optional<Estimate> &before) const
 {
@@ -103,7 +104,7 @@ PositionEstimator::stand(const Report &report)
     stands_ = report.position;
 }
 
-/// Nothing is known of where the film goes on.
+/// Drops the position after a seek: it is unknown where the film continues.
 void
 PositionEstimator::wait(const Report &report)
 {

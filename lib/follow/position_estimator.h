@@ -12,13 +12,13 @@ namespace follow {
 /// Estimates the position of a player's film from reports that are late, rounded, jittery and
 /// sometimes wrong.
 ///
-/// A report that does not fit what is known is a leap, or wrong: the position is unknown until the
-/// next report says which, except after reports that say so themselves (Report::sought, another
-/// film, another rate). It is also unknown without reports, while it is known less exactly than
-/// Settings::most_error, and while the player goes backwards.
+/// A report that does not fit the earlier ones is a leap or an error: the position is unknown until
+/// the next report decides, unless the report itself notifies a leap (Report::sought, another film,
+/// another rate). It is also unknown without reports, with an error above Settings::most_error, and
+/// while the player goes backwards.
 ///
-/// Within a stretch the position never goes backwards: it nears what becomes better known by
-/// playing up to a fifth faster or slower. Reads no clock; not thread-safe.
+/// Within a stretch, the position never decreases: it approaches a better estimate by playing up to
+/// a fifth faster or slower. Reads no clock; not thread-safe.
 class PositionEstimator
 {
 public:
@@ -38,15 +38,15 @@ public:
     std::uint64_t stretch = 0;
   };
 
-  /// Reports beyond these are not believed.
+  /// Reports beyond these limits are skipped.
   static constexpr Time kLongestFilm = std::chrono::hours(100);
   static constexpr double kLeastRate = 1.0 / 16;
   static constexpr double kMostRate = 16;
-  /// Share of the rate by which the position nears a better estimate.
+  /// Share of the rate by which the position approaches a better estimate.
   static constexpr double kMostCorrection = 0.2;
-  /// A report off by less is late or a little wrong, and alone changes nothing.
+  /// A report with a smaller misfit is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
-  /// A seek by less only corrects the position: the stretch continues.
+  /// A shorter seek only corrects the position: the stretch continues.
   static constexpr Time kPutRight = std::chrono::milliseconds(50);
 
   PositionEstimator() = default;

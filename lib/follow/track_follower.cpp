@@ -9,7 +9,7 @@ namespace follow {
 
 namespace {
 
-/// So long what is unknown is silent, in film time. It may be known then.
+/// Length of the silent cue for an unknown part, in film time. Afterwards it may be known.
 constexpr Time kUnknown = std::chrono::milliseconds(100);
 
 Time
@@ -71,7 +71,7 @@ TrackFollower::step(const std::optional<PositionEstimator::Estimate> &estimate, 
     stretch_ = estimate->stretch;
     next_ = film_time(now);
   }
-  next_ = std::max(next_, film_time(now)); // what is past is not felt
+  next_ = std::max(next_, film_time(now)); // the past is skipped
   for (const Time until = film_time(now + ahead); next_ < until;) {
     tactile::Cue cue = next_cue(next_);
     next_ = cue.end;

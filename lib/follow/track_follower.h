@@ -11,9 +11,9 @@
 
 namespace follow {
 
-/// A film's track → cues in local time, a little ahead of the position of the film, so that they
-/// leave early enough for any motor. Parts of the track that are unknown at that time are silent.
-/// Reads no clock; not thread-safe.
+/// Computes cues in local time from a film's track, so far ahead of the film's position that any
+/// motor is on time. Parts of the track that are unknown by then are silent. Reads no clock; not
+/// thread-safe.
 class TrackFollower
 {
 public:
@@ -26,13 +26,14 @@ public:
   /// Sets the track of another film, or none. The next step is silence if one plays. The track may
   /// become known meanwhile.
   void set_track(std::shared_ptr<const tactile::Draft> track);
-  /// Estimates are those of another player of the film from now on.
+  /// From now on, estimates are those of another player.
   void change_player();
 
-  /// How much later than the player shows a picture it is felt; may be negative.
+  /// Delay of the vibration against the player's picture; may be negative.
   void set_delay(Time later);
 
-  /// Cues from the last step's on, up to `ahead` of now. None where the film stands or is unknown.
+  /// Cues after those of the last step, up to `ahead` of now; none while the film stands or its
+  /// position is unknown.
   Step step(const std::optional<PositionEstimator::Estimate> &estimate, Time now, Time ahead);
 
 private:

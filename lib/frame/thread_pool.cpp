@@ -28,7 +28,7 @@ ThreadPool::start(int threads)
   while (static_cast<int>(threads_.size()) < threads) {
     pthread_t thread;
     if (pthread_create(&thread, nullptr, work, this) != 0)
-      return; // the caller does what they would have done
+      return; // the caller does their parts
     threads_.push_back(thread);
 #ifdef __linux__
     CPU_ZERO(&processors_); // the new thread needs its affinity, too

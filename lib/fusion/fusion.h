@@ -9,7 +9,7 @@
 
 namespace fusion {
 
-/// A picture's maps and its sound's → one cue for each event. Not thread-safe.
+/// Combines maps of picture and sound: one cue for each event. Not thread-safe.
 class Fusion
 {
 public:
@@ -23,18 +23,18 @@ public:
                           const tactile::TactileMap &sound, tactile::Mix mix,
                           const tactile::TactileMap *next = nullptr);
 
-  /// After a seek.
+  /// Drops the past, after a seek.
   void reset();
 
 private:
-  tactile::TactileMap seen_; ///< the last that was not silent
+  tactile::TactileMap seen_; ///< the last map that was not silent
   Time seen_until_{ 0 };
   bool any_ = false;
 };
 
-/// The sound of a frame that is shown in [begin, end), as few maps without gaps. The next one
-/// begins where it becomes stronger by a fifth, or after 50 ms, and has the largest level of each
-/// cell. Without cells where it is silent. At least one.
+/// The maps of the sound during a frame shown in [begin, end): few, without gaps, at least one. The
+/// next one begins where the sound becomes stronger by a fifth, or after 50 ms. A map has the
+/// largest level of each cell, and no cells in silence.
 std::vector<SoundMap> pieces(Time begin, Time end, std::span<const SoundMap> sound);
 
 } // namespace fusion

@@ -8,7 +8,7 @@
 
 namespace fusion {
 
-/// Which part of a film's sound joins the picture, and how.
+/// The part of a film's sound that joins the picture, and its gain.
 struct Profile
 {
   const char *name;
@@ -16,13 +16,13 @@ struct Profile
   tactile::Mix mix;
   double gain_db; ///< added to every sound before its level
   bool impacts;   ///< impacts, explosions and shots are felt
-  bool rumble;    ///< what goes on below 65 Hz is felt
+  bool rumble;    ///< sustained sound below 65 Hz is felt
 };
 
-/// By index: `film` is the first one. No sound at all is none of them.
+/// All profiles, `film` first. Without sound, there is no profile.
 std::span<const Profile> profiles();
 
-/// That of this name; nullptr if there is none, as for "off".
+/// The profile of this name; nullptr if there is none, as for "off".
 const Profile *find_profile(std::string_view name);
 
 } // namespace fusion

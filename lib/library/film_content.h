@@ -8,8 +8,8 @@
 
 namespace library {
 
-/// SHA-256, in hexadecimal, of a film's size in decimal and 64 KiB each of its beginning, from its
-/// middle and of its end: whatever its name. Empty: it is no file, or cannot be read.
+/// SHA-256, in hexadecimal, of a film's size in decimal and of 64 KiB each from its beginning,
+/// middle and end. The name does not count. Empty: it is no file, or cannot be read.
 std::string film_content(const std::string &film);
 
 /// A file at one time. One that is still being downloaded or recorded is another later.
@@ -20,7 +20,7 @@ struct FileVersion
   bool operator==(const FileVersion &) const = default;
 };
 
-/// As it is now; none: it cannot be looked at.
+/// The present version of a file; none: it cannot be read.
 std::optional<FileVersion> file_version(const std::string &path);
 
 } // namespace library

@@ -12,12 +12,12 @@ namespace library {
 
 /// Entries of films that are known by their sound: the files *.heard of a folder, or those that the
 /// index of a library on a web server lists, which are kept in $XDG_CACHE_HOME/visuotactile/heard.
-/// Those that cannot be used are left out, with a complaint. Takes a while; any thread may call it.
+/// Unusable entries are skipped, with a complaint. Slow; any thread may call it.
 std::vector<listen::Entry> heard_entries(const std::string &where,
                                          std::vector<std::string> &complaints,
                                          GCancellable *stop = nullptr);
 
-/// SHA-256 of an entry's content, in hexadecimal, by which it is kept.
+/// SHA-256 of an entry's content, in hexadecimal: its name in the cache.
 std::string content_sum(const std::string &bytes);
 
 } // namespace library

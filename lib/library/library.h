@@ -15,47 +15,48 @@ namespace library {
 /// A film's track, and where it was found.
 struct FoundTrack
 {
-  std::string path; ///< or an address
+  std::string path; ///< path or address of the track
   tactile::Track track{};
   std::string fault{};                  ///< why it cannot be read; empty: it can
   std::optional<FileVersion> version{}; ///< of a faulty file, before it was read
 };
 
-/// Where tracks of films are: beside the film, and in what the user named: a folder, whose index
-/// (library/track_index.h) is used where there is one, or such a folder on a web server, which has
-/// an index. Any thread may call it.
+/// Finds tracks: beside the film, and in the place that the user named, which is a folder with or
+/// without an index (library/track_index.h), or such a folder with an index on a web server. Any
+/// thread may call it.
 class Library
 {
 public:
-  /// By which the end of a film and that of its track may differ.
+  /// Largest difference between the ends of a film and its track.
   static constexpr tactile::Time kSameEnd = std::chrono::seconds(2);
 
   explicit Library(std::string where);
 
-  /// Files that are passed over.
+  /// Files to skip.
   using Skipped = std::set<std::string>;
 
-  /// Searches take a while: of a server, requests of library::kPatience each.
+  /// Whether the library is on a server: each request of a search then waits up to
+  /// library::kPatience.
   bool is_on_server() const;
 
-  // `film` is what a player says: a path, a URI or a title. A track of the right name is found even
-  // if it is faulty: it is somebody's own. Subtitles of that name are passed over, with a
+  // `film` is the name that a player reports: a path, a URI or a title. A faulty track of the right
+  // name is found, too, because a user put it there. Subtitles of that name are skipped, with a
   // complaint.
 
   /// The track beside a film on this computer.
   std::optional<FoundTrack> beside(const std::string &film, const Skipped &skipped,
                                    std::string &complaint) const;
 
-  /// Why there is no track that could be one.
+  /// Reasons for which files are not used.
   struct Complaints
   {
     std::string library; ///< of its index, its server or subtitles
     std::string alike;   ///< of a faulty track that may be the film's
   };
-  /// The film's track in what the user named. In a folder, of these the first: the one of its name;
-  /// the one of its content, by the index; the one that ends when the film does, and each word of
-  /// whose name is in the film's name, with the most words. On a server, content comes before the
-  /// name, as people name films alike.
+  /// The film's track in the place that the user named. In a folder, the first that exists of: the
+  /// track of the film's name; of its content, by the index; of its end, with a name whose words
+  /// are all in the film's name, and as many as possible. On a server, content comes before the
+  /// name, because different films have one name.
   std::optional<FoundTrack> stored(const std::string &film,
                                    const std::optional<tactile::Time> &duration,
                                    const Skipped &skipped, Complaints &complaints,

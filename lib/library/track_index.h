@@ -21,7 +21,7 @@ struct IndexEntry
   visuotactile::Time duration{ 0 }; ///< end of the track
   std::string film;                 ///< name of the film's file; empty: unknown
   std::string content;              ///< film_content(); empty: unknown
-  std::string heard{};     ///< its entry of films by their sound, a path likewise; empty: none
+  std::string heard{}; ///< its entry of films by their sound, a path below the index; empty: none
   std::string heard_sum{}; ///< content_sum() of that
 };
 
@@ -30,10 +30,10 @@ struct IndexEntry
 /// error says what was expected and where.
 tl::expected<std::vector<IndexEntry>, std::string> read_index(std::string_view text);
 
-/// Writes it.
+/// Writes an index.
 std::string write_index(const std::vector<IndexEntry> &entries);
 
-/// Bytes of the largest index that is read.
+/// Most bytes of an index.
 inline constexpr std::size_t kMostIndex = std::size_t{ 8 } << 20;
 
 } // namespace library

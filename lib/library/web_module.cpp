@@ -60,7 +60,7 @@ public:
   Request(const Request &) = delete;
   Request &operator=(const Request &) = delete;
 
-  /// Returns what was wrong; empty: nothing.
+  /// Returns the fault; empty: none.
   std::string run(const std::string &address)
   {
     const Owned<SoupMessage> message(soup_message_new("GET", address.c_str()));

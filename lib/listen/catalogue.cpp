@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
 
-/// By three rounds over 11 bits.
+/// Sorts in three rounds of 11 bits.
 void
 sort_by_radix(std::vector<std::uint32_t> &values)
 {
@@ -59,7 +59,7 @@ HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
   for (std::size_t film = 0; film < count; film++)
     for (const RankedHash &hash : read(film, rank))
-      if (std::uint32_t &at = next[hash.value]; at < begins_[hash.value + 1]) // it may have changed
+      if (std::uint32_t &at = next[hash.value]; at < begins_[hash.value + 1]) // the file may change
         places_[at++] = starts_[film] + static_cast<std::uint32_t>(hash.frame / kUnit);
   common_ = std::max<std::size_t>(64, 12 * places_.size() / kValues);
 }
@@ -107,7 +107,7 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
   }
   std::ranges::sort(best, greater);
   for (const auto &[count, place] : best) {
-    // Before a film's beginning, too, but nearer to it than to the end of the one before.
+    // A place may be before the beginning of its film, but nearer to it than to the film before.
     const auto film = std::ranges::upper_bound(starts_, place + kGap / 2) - starts_.begin();
     if (film > 0)
       found.push_back(

@@ -12,22 +12,23 @@
 
 namespace listen {
 
-/// Where a film may be.
+/// A place of the heard sound in a film, as a search found it.
 struct Place
 {
   std::size_t film = 0;
-  std::int64_t frame = 0; ///< of the film, at frame 0 of what is heard; ± 2
-  int votes = 0;          ///< hashes that say so
+  std::int64_t frame = 0; ///< of the film, at frame 0 of the heard sound; ± 2
+  int votes = 0;          ///< hashes that fit it
 };
 
-/// Hashes of all films → where each of them is: 4 bytes a hash. The films' hashes are read
-/// twice, so that they are never held twice.
+/// Index of the hashes of all films, 4 bytes a hash. It reads the hashes twice, so that they are
+/// never stored twice.
 class HashIndex
 {
 public:
   using Read = std::function<std::vector<RankedHash>(std::size_t film, unsigned rank)>;
 
-  /// The films, by their frames. Of each second as many hashes are kept as `most_bytes` allows.
+  /// `films`: their lengths in frames. The index keeps as many hashes of each second as
+  /// `most_bytes` allows.
   HashIndex(const std::vector<std::int64_t> &films, const Read &read, std::size_t most_bytes);
   HashIndex() = default;
 
@@ -41,12 +42,12 @@ public:
 
 private:
   static constexpr std::int64_t kUnit = 2;   ///< frames
-  static constexpr std::int64_t kGap = 2048; ///< units between films: more than is heard at once
+  static constexpr std::int64_t kGap = 2048; ///< units between films: longer than the heard sound
 
-  std::vector<std::uint32_t> starts_; ///< units, of the films
-  std::vector<std::uint32_t> begins_; ///< of each value's places
+  std::vector<std::uint32_t> starts_; ///< begins of the films, in units
+  std::vector<std::uint32_t> begins_; ///< begins of each value's places in places_
   std::vector<std::uint32_t> places_; ///< units
-  std::size_t common_ = 0;            ///< values with more places say nothing
+  std::size_t common_ = 0;            ///< values with more places are skipped
 };
 
 /// The films that can be known by their sound. Any thread may search it.

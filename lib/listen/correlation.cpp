@@ -49,7 +49,7 @@ fit(std::span<const Onset> onsets, std::span<const std::uint8_t> reference, doub
   const double deviation = std::sqrt(std::max(power / count - mean * mean, 1e-12));
   double off = 0;
   if (best > 0 && best + 1 < places) {
-    // The peak is nearly a triangle, as levels are those of intervals.
+    // The peak is nearly a triangle, because power is averaged over intervals.
     const double rise = sums[best] - std::min(sums[best - 1], sums[best + 1]);
     if (rise > 0)
       off = (sums[best + 1] - sums[best - 1]) / (2 * rise);

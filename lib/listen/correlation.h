@@ -8,22 +8,23 @@
 
 namespace listen {
 
-/// Where in a film's reference onsets fit best.
+/// The place in a film's reference that fits onsets best.
 struct Fit
 {
   double step = 0;  ///< of the reference, at the first onset
-  double score = 0; ///< of chance's standard deviations
+  double score = 0; ///< in standard deviations of chance
 };
 
-/// Onsets that fit elsewhere by chance are at least so many steps away: 32 ms.
+/// Places more than so many steps from the best one fit by chance: 32 ms.
 inline constexpr int kPeakWidth = 8;
 
-/// Moves the onsets over the reference, signs() of its steps. `rate`: steps of the reference to one
-/// of the onsets. The reference holds reference_steps(onsets.size(), rate, reach).
+/// Correlates onsets with a reference, the signs() of a film's onsets. `rate`: steps of the
+/// reference for one of the onsets. The reference has reference_steps(onsets.size(), rate, reach)
+/// steps.
 Fit fit(std::span<const Onset> onsets, std::span<const std::uint8_t> reference, double rate,
         int reach);
 
-/// Steps that are needed for places from 0 to 2 · `reach`.
+/// Steps of the reference for places from 0 to 2 · `reach`.
 std::size_t reference_steps(std::size_t onsets, double rate, int reach);
 
 } // namespace listen

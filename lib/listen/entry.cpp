@@ -2,8 +2,8 @@
 //
 // An entry: a head of ten 32-bit numbers, all little-endian, then the name of the film, the name of
 // the track, the track, the hashes of 32 bits, and the reference. A hash has 19 bits of its value,
-// 3 of its rank and 10 of the frames since the one before; if those are more, steps without a hash
-// come before it.
+// 3 of its rank and 10 of the frames since the hash before; numbers of rank kNoHash bridge longer
+// waits.
 #include "listen/entry.h"
 
 #include <algorithm>

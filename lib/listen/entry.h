@@ -16,30 +16,29 @@ namespace listen {
 
 /// The ending of an entry's file.
 inline constexpr const char *kEntryEnding = ".heard";
-/// Bytes of the largest that is read: some ten hours of film.
+/// Most bytes of an entry: some ten hours of film.
 inline constexpr std::size_t kMostEntry = std::size_t{ 32 } << 20;
 
 /// A film in the catalogue, to be written.
 struct NewEntry
 {
-  std::string film{};       ///< its name
+  std::string film{};       ///< name of the film
   std::string track_name{}; ///< name of the track's file, whose ending is its format
-  std::string track{};      ///< its content
+  std::string track{};      ///< content of the track's file
   Time duration{ 0 };       ///< of the film
   FilmSound sound{};
 };
 
-/// The file's content. The error says what was expected.
+/// The content of the entry's file. The error says what was expected.
 tl::expected<std::string, std::string> write_entry(const NewEntry &entry);
 
-/// A film in the catalogue. Parts are read when they are needed; what a part of the file says is
-/// believed within bounds alone.
+/// A film in the catalogue. Parts of its file are read on demand, and their values bounded.
 class Entry
 {
 public:
-  /// A file, which stays open. The error is one line, without its name.
+  /// Opens a file, which stays open. The error is one line without the file's name.
   static tl::expected<Entry, std::string> open(const std::string &path);
-  /// A file's content.
+  /// Reads the content of a file.
   static tl::expected<Entry, std::string> of(std::string bytes);
 
   const std::string &film() const
@@ -59,11 +58,12 @@ public:
   {
     return steps_;
   }
-  /// None where the file has changed since.
+  /// Content of the track's file; none: the entry's file has changed.
   std::optional<std::string> track() const;
-  /// Up to a rank.
+  /// Hashes up to a rank.
   std::vector<RankedHash> hashes(unsigned rank) const;
-  /// Steps from one on. Outside of the film they are 0. None where the file has changed since.
+  /// Steps of the reference from step `from` on, 0 outside of the film; none: the entry's file has
+  /// changed.
   std::optional<std::vector<std::uint8_t>> reference(std::int64_t from, std::size_t steps) const;
 
 private:
@@ -71,7 +71,7 @@ private:
   tl::expected<void, std::string> read_head(std::size_t size);
   std::optional<std::string> read(std::size_t from, std::size_t count) const;
 
-  files::File file_; ///< or
+  files::File file_; ///< without it, bytes_ has the content
   std::string bytes_;
   std::string film_;
   std::string track_name_;

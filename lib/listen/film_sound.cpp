@@ -7,7 +7,8 @@
 
 namespace listen {
 
-// To the resampler, the sound is twice as fast: what comes out at its rate is at half of it.
+// The resampler converts to sound::kRate. With twice the input rate, its output is the sound at
+// kRate.
 static_assert(sound::kRate == 2 * kRate);
 
 Downsampler::Downsampler(int rate) : resampler_(2 * rate, 1)
@@ -80,7 +81,7 @@ FilmSoundMaker::add(std::span<const float> mono)
 FilmSound
 FilmSoundMaker::finish()
 {
-  add(std::vector<float>(512)); // what the resampler and the spectra hold
+  add(std::vector<float>(512)); // flushes resampler and spectra
   sound_.hashes = ranked(film_hashes(peaks_));
   return std::move(sound_);
 }

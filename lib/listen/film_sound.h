@@ -16,7 +16,7 @@ namespace listen {
 
 using visuotactile::Time;
 
-/// A film's hash, of the strongest of its second those with the least class.
+/// A hash of a film. The strongest hashes of a second have the lowest rank.
 struct RankedHash
 {
   std::int64_t frame = 0;
@@ -35,7 +35,7 @@ struct FilmSound
   std::vector<std::uint8_t> reference{}; ///< signs() of its onsets
 };
 
-/// Any rate → kRate.
+/// Resamples sound to kRate.
 class Downsampler
 {
 public:
@@ -43,14 +43,14 @@ public:
   explicit Downsampler(int rate);
   static constexpr int kMostRate = 768'000;
 
-  /// Appends to `out`. The frame n of it is the sound at n / kRate seconds.
+  /// Appends to `out`, whose sample n is the sound at n / kRate seconds.
   void add(std::span<const float> mono, std::vector<float> &out);
 
 private:
   sound::Resampler resampler_;
 };
 
-/// Sound of a film, as it comes → FilmSound.
+/// Computes the FilmSound of a film from its sound, block by block.
 class FilmSoundMaker
 {
 public:
@@ -68,7 +68,7 @@ private:
   std::vector<float> samples_;
 };
 
-/// Peaks in half a second of a film, and of what is heard.
+/// Peaks in half a second of a film, and of the heard sound.
 inline constexpr int kFilmPeaks = 14;
 inline constexpr int kHeardPeaks = 20;
 

@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kStep = 2;      ///< bins and frames of a unit
 constexpr double kNearest = 2;   ///< frames between the peaks
-constexpr double kFarthest = 62; ///< a second
+constexpr double kFarthest = 62; ///< frames: a second
 constexpr double kWidest = 126;  ///< bins
 constexpr std::size_t kPartners = 4;
 constexpr std::size_t kHeardPartners = 20;
-constexpr double kUnsure = 0.3; ///< of a unit: what is as near to the next one counts as that, too
+constexpr double kUnsure = 0.3; ///< units: values so near to the middle of two units count as both
 
 std::uint32_t
 value_of(int first, int step, int wait)
@@ -24,11 +24,11 @@ value_of(int first, int step, int wait)
          | static_cast<std::uint32_t>(wait);
 }
 
-/// Units of a distance, and the next nearest.
+/// A distance, rounded to the nearest unit and to the next nearest.
 struct Units
 {
   int nearest;
-  int next; ///< the same: it is not near
+  int next; ///< `nearest` unless within kUnsure
 };
 
 Units

@@ -9,7 +9,7 @@
 
 namespace listen {
 
-/// Two peaks: the frequency of the first, and how far in frequency and time the second is.
+/// Two peaks: the frequency of the first, and the distances of the second in frequency and time.
 struct Hash
 {
   std::int64_t frame = 0; ///< of the first peak
@@ -19,12 +19,13 @@ struct Hash
 
 inline constexpr int kHashBits = 19;
 
-/// Few hashes of a film, as they are many: of each peak with the strongest that follow it.
+/// Hashes of a film: few, because all are stored. Each peak is combined with the strongest peaks
+/// after it.
 std::vector<Hash> film_hashes(std::span<const Peak> peaks);
 
-/// Many hashes of what is heard, of which some are a film's: of each peak with each that follows
-/// it, and likewise if it were a little off. `rate`: of the film that would play, to its own; the
-/// frames are the film's.
+/// Hashes of the heard sound: many, of which some are a film's. Each peak is combined with the
+/// peaks after it, also with one of the three numbers rounded the other way. `rate`: film seconds a
+/// second. Frames are those of the film.
 std::vector<Hash> heard_hashes(std::span<const Peak> peaks, double rate);
 
 } // namespace listen

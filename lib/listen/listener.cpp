@@ -18,29 +18,29 @@ steps(double seconds)
 
 constexpr std::int64_t kHeld = steps(12);
 constexpr std::int64_t kLooksEvery = steps(0.5);
-constexpr std::int64_t kLeast = steps(2); ///< heard before a search
-constexpr std::int64_t kMost = steps(10); ///< that is searched at once
-constexpr std::size_t kPlaces = 24;       ///< of a search that are compared
-constexpr int kReach = 75;                ///< steps that are compared on each side of a place
-constexpr double kSame = 3;               ///< steps between looks at one place
+constexpr std::int64_t kLeast = steps(2); ///< shortest sound for a search
+constexpr std::int64_t kMost = steps(10); ///< longest sound for a search
+constexpr std::size_t kPlaces = 24;       ///< found by a search and compared
+constexpr int kReach = 75;                ///< steps compared on each side of a place
+constexpr double kSame = 3;               ///< steps between two candidates for one place
 // Scores. Chance reaches 4.5 in one of ten searches, and 5.5 seldom.
 constexpr double kSure = 7;
-constexpr double kLikely = 5.7; ///< if it is so for a while
+constexpr double kLikely = 5.7; ///< sure after kAWhile
 constexpr std::int64_t kAWhile = steps(1.5);
-constexpr double kAlike = 0.75; ///< of the best one: another place is as good
-constexpr double kStill = 5;    ///< of a film that goes on
-constexpr double kNear = 12;    ///< steps by which it moves at the most
+constexpr double kAlike = 0.75; ///< share of the best score that makes another place as good
+constexpr double kStill = 5;    ///< least score while the film continues
+constexpr double kNear = 12;    ///< most steps by which the origin moves
 constexpr std::int64_t kWindow = steps(4);
 constexpr int kMostMisses = 6; ///< 3 s
-// The newest sound alone shows sooner that a film stopped, if it usually fits.
+// The end of a film shows sooner in the newest sound alone, if this sound usually fits.
 constexpr std::int64_t kShortWindow = steps(1.5);
 constexpr int kMostAbsent = 3;
 constexpr double kUsually = 0.8;
-constexpr double kForgets = 0.1; ///< of Lock::present, a look
+constexpr double kForgets = 0.1; ///< weight of a comparison in Lock::present
 constexpr std::size_t kOrigins = 9;
 constexpr double kLostSound = 40e6; ///< ns
 
-/// Frames a second of what is heard to those of the film.
+/// Film seconds a second.
 constexpr std::array<double, 3> kRates = { 1, 25.0 / 24, 24.0 / 25 };
 
 } // namespace
@@ -61,7 +61,7 @@ Listener::add(std::span<const float> mono, Time at)
   return lock_ ? track() : search();
 }
 
-/// A card's sound comes in blocks, whose times vary a little.
+/// Smooths the times of a card's blocks, which vary a little.
 void
 Listener::keep_time(std::size_t count, Time at)
 {
@@ -72,7 +72,7 @@ Listener::keep_time(std::size_t count, Time at)
   count_ += static_cast<std::int64_t>(count);
 }
 
-/// Sound is missing: what was heard no longer fits what comes.
+/// Drops the film and earlier sound, after missing sound.
 void
 Listener::forget()
 {
@@ -102,7 +102,7 @@ Listener::take_sound(std::span<const float> mono)
     peaks_.pop_front();
 }
 
-/// Compares the newest onsets with a film, whose step at step 0 of what is heard may be this.
+/// Compares the newest onsets with a film. `step`: the estimate of Lock::origin.
 std::optional<Fit>
 Listener::fit_at(std::size_t film, double rate, double step, std::int64_t onsets, int reach) const
 {
@@ -204,7 +204,7 @@ Listener::track()
   return heard(lock, found->score);
 }
 
-/// Whether the newest sound is the film's, or the newest sound seldom shows it.
+/// Whether the newest sound fits the film, or seldom fits it.
 bool
 Listener::is_there(Lock &lock) const
 {
@@ -212,7 +212,7 @@ Listener::is_there(Lock &lock) const
   const bool fits = found && std::abs(found->step - lock.origin) <= kSame;
   const bool shows = lock.present >= kUsually;
   lock.absent = fits || !shows ? 0 : lock.absent + 1;
-  if (fits || !shows) // else it is as usual up to here
+  if (fits || !shows) // misses that count as absent do not lower it
     lock.present += ((fits ? 1 : 0) - lock.present) * kForgets;
   return fits || !shows;
 }

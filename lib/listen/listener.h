@@ -17,25 +17,24 @@ namespace listen {
 struct Heard
 {
   std::size_t film = 0; ///< of the catalogue
-  Time at{ 0 };         ///< local time of the newest sound that was looked at
-  Time position{ 0 };   ///< of the film, then
+  Time at{ 0 };         ///< local time of the newest sound that was analyzed
+  Time position{ 0 };   ///< of the film at this time
   double rate = 1;      ///< film seconds a second
-  double score = 0;     ///< of chance's standard deviations
-  bool begins = false;  ///< found anew: another film, or elsewhere
+  double score = 0;     ///< in standard deviations of chance
+  bool begins = false;  ///< another film or place than before
 };
 
-/// Hears which film plays, and where it is. While it does not know, it looks for all films, also as
-/// fast as 24 frames a second become 25, or 25 become 24; once it knows, it compares the sound with
-/// that film alone, twice a second. It drops the sound after 12 seconds. Reads no clock; not
-/// thread-safe.
+/// Detects the film that plays and its position, twice a second. A search compares the sound with
+/// all films, also at the speeds 25/24 and 24/25; after a find, the sound is compared with this
+/// film alone. Sound is dropped after 12 seconds. Reads no clock; not thread-safe.
 class Listener
 {
 public:
-  /// `rate` of the sound in Hz; the catalogue is used as long as this lives.
+  /// `rate`: of the sound in Hz. The catalogue must outlive this.
   Listener(const Catalogue &catalogue, int rate);
 
-  /// Sound, whose first sample was heard at a local time. Returns what is known of it, if it was
-  /// looked at; nothing while it is not known.
+  /// Adds sound whose first sample was heard at this local time. Returns the film if this call has
+  /// found or confirmed it.
   std::optional<Heard> add(std::span<const float> mono, Time at);
 
   bool knows() const
@@ -48,11 +47,11 @@ private:
   {
     std::size_t film = 0;
     double rate = 1;              ///< nominal
-    double origin = 0;            ///< step of the film at step 0 of what is heard, as it was last
-    std::deque<double> origins{}; ///< the last ones
-    int misses = 0;               ///< looks in turn that did not fit
+    double origin = 0;            ///< step of the film at step 0 of the heard sound
+    std::deque<double> origins{}; ///< the last measured ones; `origin` is their median
+    int misses = 0;               ///< comparisons in a row that did not fit
     int absent = 0;               ///< likewise, of the newest sound alone
-    double present = 0;           ///< share of looks that it fits
+    double present = 0;           ///< share of comparisons that fit it
   };
   /// A place that a search found, in steps as Lock::origin.
   struct Candidate
@@ -91,11 +90,11 @@ private:
   std::optional<double> began_{}; ///< local time of sample 0, ns
   std::deque<Peak> peaks_;
   std::deque<Onset> onsets_;
-  std::int64_t steps_ = 0;     ///< onsets that came
-  std::int64_t fresh_ = 0;     ///< step from which on nothing else was heard
+  std::int64_t steps_ = 0;     ///< onsets so far
+  std::int64_t fresh_ = 0;     ///< step from which on searches use the sound
   std::int64_t looked_at_ = 0; ///< step
   int round_ = 0;
-  std::optional<Hope> hope_; ///< it may be this
+  std::optional<Hope> hope_; ///< a candidate that is likely
   std::optional<Lock> lock_;
 };
 

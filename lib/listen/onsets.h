@@ -13,11 +13,11 @@ namespace listen {
 
 inline constexpr std::size_t kBands = 8;
 
-/// How much louder the sound of each band becomes, from −1 to 1.
+/// The change of loudness in each band, from −1 to 1.
 using Onset = std::array<float, kBands>;
 
-/// Sound at kRate → onsets, kOnsetRate a second. A film's reference has their signs alone: of them
-/// no sound can be made.
+/// Computes kOnsetRate onsets a second from sound at kRate. A film's reference has only their
+/// signs, from which the sound cannot be restored.
 class Onsets
 {
 public:
@@ -28,7 +28,7 @@ public:
 
   void add(std::span<const float> samples);
 
-  /// The onsets since the last call. The first ever is that of 0 s.
+  /// The onsets since the last call. The very first is at 0 s.
   std::vector<Onset> take();
 
 private:

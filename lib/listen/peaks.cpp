@@ -10,7 +10,7 @@ namespace listen {
 
 namespace {
 
-constexpr float kForgets = 0.016F; ///< of the average, a frame: a second
+constexpr float kForgets = 0.016F; ///< weight of a frame in the average, of a second
 constexpr float kFades = 0.1F;     ///< dB a frame
 constexpr float kRange = 60;       ///< dB below the loudest that count
 constexpr float kSilence = -100;   ///< dB

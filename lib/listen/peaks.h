@@ -13,7 +13,7 @@
 
 namespace listen {
 
-/// Rate at which sound is looked at, in Hz. What a telephone passes is enough.
+/// Rate of the analyzed sound in Hz. The band of a telephone is enough.
 inline constexpr int kRate = 8000;
 
 /// A moment and a frequency at which the sound is louder than just before, and than its
@@ -45,7 +45,7 @@ public:
 private:
   static constexpr int kFirst = 10; ///< bin: 156 Hz
   static constexpr int kBins = 208; ///< up to 3.4 kHz
-  static constexpr int kReach = 4;  ///< frames and bins on each side that a peak exceeds
+  static constexpr int kReach = 4;  ///< a peak exceeds so many frames and bins on each side
   static constexpr int kFrames = 2 * kReach + 1;
   static constexpr int kBlock = 32; ///< frames: half a second
 
@@ -68,7 +68,7 @@ private:
   std::array<float, kSize> held_{};      ///< the newest samples
   int fresh_ = 0;                        ///< samples since the last spectrum
   std::array<Row, kFrames> rows_{};      ///< dB above the average, of the last frames
-  std::array<Row, kFrames> most_near_{}; ///< of each, the loudest within kReach bins
+  std::array<Row, kFrames> most_near_{}; ///< maximum of rows_ within kReach bins
   Row average_{};
   float loudest_ = -200; ///< dB, fades
   std::int64_t frames_ = 0;

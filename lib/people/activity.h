@@ -7,8 +7,8 @@
 
 namespace people {
 
-/// How much each part of the picture changes to and fro, beyond noise: a mouth that talks, whose
-/// contrast is no event. A fade goes one way and does not count; nothing does while the camera
+/// Measures to and fro changes of each part of the picture beyond noise: a mouth that talks, whose
+/// contrast is no event. A fade goes one way and does not count; nothing counts while the camera
 /// moves.
 class Activity
 {

@@ -144,7 +144,7 @@ DetectionThread::detect()
     lock.lock();
     statistics_.detections++;
     statistics_.busy += spent;
-    if (!is_waiting_) // else these are of a picture that nobody waits for
+    if (!is_waiting_) // otherwise, these are of a dropped picture
       hits_ = std::move(hits);
     done_.notify_one();
   }

@@ -24,8 +24,8 @@ struct Hit
   double skin = 0; ///< mean likeness to skin, in [0, 1]
 };
 
-/// Looks for faces on a thread of its own, which starts with the first picture. A picture that
-/// waits is replaced by the next one. All functions are for one other thread.
+/// Detects faces on a thread of its own, which starts with the first picture. The next picture
+/// replaces a waiting one. All functions are for one other thread.
 class DetectionThread
 {
 public:
@@ -51,7 +51,7 @@ public:
   /// The faces in the latest picture, once: none while it is not done, unless `wait` is set.
   std::optional<std::vector<Hit>> take(bool wait);
 
-  /// Why nothing can be found, from then on; empty if there is no reason.
+  /// The fault that ended detection; empty: none.
   std::string failure();
 
   Statistics statistics();

@@ -55,7 +55,7 @@ FaceTracker::advance(double elapsed, const saliency::Similarity &camera)
 void
 FaceTracker::update(std::span<const cv::Rect2d> hits, double age)
 {
-  // Shares of what a hit says: boxes of detectors jitter.
+  // Weights of a hit: boxes of detectors jitter.
   constexpr double kPlace = 0.75;
   constexpr double kVelocity = 0.5;
   constexpr double kShortest = 0.05; // between two hits, in seconds

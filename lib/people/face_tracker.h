@@ -10,7 +10,7 @@
 
 namespace people {
 
-/// A box that what it holds has moved to; turns are ignored.
+/// The box after a motion; turns are ignored.
 cv::Rect2d moved(const cv::Rect2d &box, const saliency::Similarity &motion);
 
 /// Follows faces between detections: by the camera's motion, and by their own velocity from one hit
@@ -41,7 +41,7 @@ public:
   /// since.
   void update(std::span<const cv::Rect2d> hits, double age);
 
-  /// These are all faces, without a doubt.
+  /// Replaces all faces by these, which are confirmed.
   void replace(std::span<const cv::Rect2d> boxes);
 
   void reset()
@@ -49,7 +49,7 @@ public:
     faces_.clear();
   }
 
-  /// Also those that are not confirmed.
+  /// All faces, also those that are not confirmed.
   const std::vector<Face> &faces() const
   {
     return faces_;

@@ -97,7 +97,7 @@ People::collect(Time time)
   else
     tracker_.update(boxes, seconds(time - *offered_));
   offered_.reset();
-  // A face that waits for its second hit is looked at again soon.
+  // For a face that needs its second hit, the next picture is taken soon.
   if (!std::ranges::all_of(tracker_.faces(), &FaceTracker::Face::confirmed))
     next_.reset();
 }

@@ -21,7 +21,7 @@ namespace people {
 
 using visuotactile::Time;
 
-/// How small a face is found, and how much work that is.
+/// The size of the pictures for detection: larger ones show smaller faces and need more work.
 enum class Effort
 {
   fast,     ///< pictures of 320 samples
@@ -67,7 +67,7 @@ public:
   /// `temporal`: as for Analyzer::analyze().
   People(MakeDetector make, Effort effort, bool temporal);
 
-  /// Whether a detection that is due is waited for; initially true.
+  /// Whether raise() waits for a detection that is due; initially true.
   void wait(bool wait)
   {
     wait_ = wait;
@@ -77,13 +77,13 @@ public:
   /// `found.map` itself where there is nothing to raise.
   const cv::Mat &raise(const Scene &scene, Time time);
 
-  /// Forgets all faces: the next frame does not follow the last one.
+  /// Drops all faces: the next frame does not follow the last one.
   void reset();
 
   /// Confirmed faces in the last frame, in its pixels.
   std::vector<cv::Rect2d> faces() const;
 
-  /// Why nothing can be found; empty if there is no reason. Known people are raised nevertheless.
+  /// The fault that ended detection; empty: none. Known people are raised nevertheless.
   std::string failure()
   {
     return thread_.failure();
@@ -111,7 +111,7 @@ private:
   std::optional<Time> offered_;        ///< of the picture whose faces are not known yet
   saliency::Similarity since_offered_; ///< the camera's motion
   std::optional<Time> next_;           ///< when a picture is due; none: now
-  std::optional<Time> known_until_;    ///< others look for people
+  std::optional<Time> known_until_;    ///< others detect people until then
   cv::Mat1f face_;                     ///< f
   cv::Mat1f raised_;
 };

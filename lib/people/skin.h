@@ -11,7 +11,7 @@
 
 namespace people {
 
-/// How much a color looks like human skin, in [0, 1]: a Gaussian of a* and b*, which vary less than
+/// The likeness of a color to human skin, in [0, 1]: a Gaussian of a* and b*, which vary less than
 /// lightness among people. Dark colors have no reliable hue.
 inline float
 skin(float lightness, float a, float b)
@@ -26,7 +26,7 @@ skin(float lightness, float a, float b)
                   / (1 - kCorrelation * kCorrelation));
 }
 
-/// Its mean over a part of an image; 0 for an empty one.
+/// The mean likeness over a part of an image; 0 for an empty one.
 inline double
 mean_skin(const saliency::FixedLabImage &lab, const cv::Rect &part)
 {

@@ -23,7 +23,7 @@ struct Saliency
   /// Method::paper in the units of N(·).
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
-  /// How strong the events are, ≥ 0, relative to the film's last minutes (Strength). 0 with
+  /// The strength of the events, ≥ 0, relative to the film's last minutes (Strength). 0 with
   /// Method::paper.
   double strength = 0;
   /// The picture's rectangle in the map, where sample i covers [i, i + 1). Sample i of level n is
@@ -31,13 +31,13 @@ struct Saliency
   cv::Rect2d picture;
   bool cut = false;          ///< this frame starts a new shot
   bool camera_moves = false; ///< since up to 8/30 s ago
-  /// The camera's motion: where in `map` is now what was at a sample of the last frame's map.
+  /// The camera's motion: maps samples of the last frame's map to samples of `map`.
   Similarity motion;
 };
 
-/// How often a frame may be halved ([1 4 6 4 1]/16, even samples kept) before its analysis, which
-/// then gives the same map but for rounding: as often as the front end halves its components. 0
-/// with Profile::exact, whose L*a*b* is that of every pixel.
+/// How often a frame may be halved ([1 4 6 4 1]/16, even samples kept) before its analysis without
+/// another change of the map than rounding: as often as the front end halves its components. 0 with
+/// Profile::exact, whose L*a*b* is that of every pixel.
 int preceding_halvings(const Profile &profile, cv::Size frame);
 
 /// The steps of an analysis, in order. Without history: lab, pyramid, spatial.
@@ -52,8 +52,8 @@ enum class Stage
   spatiotemporal,
 };
 
-/// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency (paper,
-/// Section 3). Not thread-safe: use one analyzer per stream, from one thread at a time.
+/// Frame → L*a*b* pyramid → saliency map, by the profile's method: Paper, or SpatialSaliency and
+/// EventMap. Not thread-safe: use one analyzer per stream, from one thread at a time.
 class Analyzer
 {
 public:

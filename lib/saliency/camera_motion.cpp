@@ -29,11 +29,11 @@ constexpr float kTexture = 1.0F;
 
 // The vote on whether the picture moved, by kParts × kParts parts. A part votes if it has at least
 // kFewestPoints points, in at least kTexturedShare of its cells, and these would move by
-// kSmallestPartMotion samples on average. It agrees if the motion, with a shift of its own if need
-// // be, leaves less than kExplained of the difference. The camera moves if at least kEnoughParts
+// kSmallestPartMotion samples on average. It agrees if the motion, if need be with a shift of its
+// own, leaves less than kExplained of the difference. The camera moves if at least kEnoughParts
 // parts vote, kPlainly of them agree without a shift of their own, and kAgreeing with one, in about
-// the camera's direction. In a picture of a few dozen samples a single object could
-// fill most parts, so none is reported there.
+// the camera's direction. In a picture of a few dozen samples, a single object could fill most
+// parts; no motion is reported there.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
 constexpr int kFewestPoints = 3;

@@ -68,7 +68,7 @@ private:
   {
     none, ///< nothing to see there, or the motion is too small
     moved,
-    rested, ///< or moved otherwise
+    rested, ///< rested, or moved in another way
   };
   cv::Point2d fit_part(std::size_t part);
   Vote vote(std::size_t part, cv::Point2d shift) const;

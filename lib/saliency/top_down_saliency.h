@@ -76,7 +76,7 @@ private:
   double reach_;
   Time hold_;
   bool in_frames_;                 ///< hold() counts frames
-  bool events_;                    ///< which reach farther
+  bool events_;                    ///< events reach farther
   std::deque<Remembered> regions_; ///< newest first
   std::optional<Time> last_time_;
   cv::Size frame_;

@@ -20,8 +20,8 @@ inline constexpr int kBands = 8;
 inline constexpr int kHop = 80; ///< samples at kRate
 inline constexpr Time kHopTime = std::chrono::milliseconds(5);
 
-/// Mean square of each band, about one moment. A band above half the rate that comes in has what
-/// the band below it has.
+/// Mean square of each band, around one moment. A band above half the input rate has the power of
+/// the band below it.
 using Powers = std::array<double, kBands>;
 
 /// dB of single bins of all channels.
@@ -43,22 +43,22 @@ struct BandPowers
   /// levels: 2.5 of noise, more of tones.
   Powers uneven{};
   BinLevels bins{};
-  /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if
-  /// they have nothing in common, −1 with opposite phases. 1 without two of them.
+  /// Likeness of the front's left and right above 94 Hz: 1 if they differ in level only, 0 if they
+  /// have nothing in common, −1 with opposite phases. 1 without both.
   double likeness = 1;
   double voicing = 0; ///< how periodic the sum of all channels is, [0, 1]: see Voicing
 };
 
-/// Sound of any rate → the powers of its bands every kHopTime.
+/// Computes the powers of the bands every kHopTime from sound of any rate.
 class Bands
 {
 public:
   Bands(int rate, std::span<const Speaker> speakers);
 
-  /// Takes interleaved frames, at most Resampler::kBlock; then next() until it is false.
+  /// Takes interleaved frames, at most Resampler::kBlock. Then call next() until it is false.
   void add(std::span<const float> frames);
 
-  /// The powers of hop n: of what ends at (n + 1) · kHopTime.
+  /// The powers of hop n, which ends at (n + 1) · kHopTime.
   bool next(BandPowers &powers);
 
   double delay() const;
@@ -83,7 +83,7 @@ private:
   std::vector<Channel> channels_;
   std::vector<float> frame_;
   std::array<float, Spectrum::kBins> bin_powers_{}; ///< of all channels
-  std::size_t bins_ = 0;                            ///< below half the rate that comes in
+  std::size_t bins_ = 0;                            ///< below half the input rate
   int left_ = -1;
   int right_ = -1;
   int filled_ = 0; ///< of this hop

@@ -9,8 +9,8 @@ namespace sound {
 
 inline constexpr int kLanes = 8;
 
-/// The sum of products, in an order that does not depend on where the samples lie. `count`: a
-/// multiple of kLanes.
+/// The sum of products, in an order that does not depend on the addresses of the samples. `count`:
+/// a multiple of kLanes.
 inline float
 dot(const float *a, const float *b, int count)
 {

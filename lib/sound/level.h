@@ -12,7 +12,7 @@ decibels(double power)
   return 10 * std::log10(power + 1e-12);
 }
 
-/// How strong a power is felt: −50 dB of full scale as 0, −10 dB as 1.
+/// The felt level of a power: 0 for −50 dB of full scale, 1 for −10 dB.
 inline double
 level_of(double power, double gain_db)
 {

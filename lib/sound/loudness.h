@@ -9,18 +9,18 @@
 
 namespace sound {
 
-/// How loud a film is: the level below which it is for 70 % of the time that it sounds, above
-/// 375 Hz, followed by 0.3 dB a second at most. One explosion hardly moves it.
+/// The loudness of a film: the level above 375 Hz that it does not exceed for 70 % of the time with
+/// sound, followed by 0.3 dB a second at most. One explosion hardly moves it.
 class Loudness
 {
 public:
-  /// Takes the next hop. How much more gain, in dB, makes the film as loud as usual.
+  /// Takes the next hop. Returns the gain, in dB, that gives the film the usual loudness.
   double add(const BandPowers &powers)
   {
     constexpr double kStep = 0.002; // dB a hop
     constexpr double kPart = 0.7;
     constexpr double kSilenceDb = -50;
-    constexpr int kFirst = kLowBands + 2; // the lower octaves have some of what is deeper
+    constexpr int kFirst = kLowBands + 2; // the lower octaves contain some of the bass
     const double db = decibels(std::accumulate(powers.sum.begin() + kFirst, powers.sum.end(), 0.0));
     if (db > kSilenceDb)
       db_ += db > db_ ? kStep * kPart : -kStep * (1 - kPart);

@@ -41,7 +41,7 @@ public:
     return out;
   }
 
-  /// Ends what can no longer be heard; numbers too small for the format are slow.
+  /// Zeroes inaudible rests: denormal numbers are slow.
   void settle()
   {
     if (std::abs(state1_) + std::abs(state2_) < 1e-12)

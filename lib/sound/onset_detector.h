@@ -21,10 +21,10 @@ public:
     reset();
   }
 
-  /// Takes the next hop. True if an impact was heard in the hop kAhead before it.
+  /// Takes the next hop. Returns whether an impact begins in the hop kAhead before it.
   bool add(const BandPowers &powers);
 
-  /// Powers in the last 50 ms before the hop that add() spoke of, the largest of each band.
+  /// Powers in the 50 ms before the hop of the last add(), the largest of each band.
   const Powers &before() const
   {
     return features_.before();
@@ -34,7 +34,7 @@ public:
 
 private:
   OnsetFeatures features_;
-  std::array<float, 3> scores_{}; ///< of the newest hops: what is an impact in one only is chance
+  std::array<float, 3> scores_{}; ///< of the newest hops: an impact in one of them alone is chance
   int dead_ = 0;                  ///< hops until the next onset may come
 };
 

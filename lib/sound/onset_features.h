@@ -8,25 +8,25 @@
 
 namespace sound {
 
-/// Band powers over time → features of each moment that separate impacts from voices, notes and
+/// Computes features of each moment from band powers, which separate impacts from voices, notes and
 /// drums.
 ///
-/// Levels are compared with those just before, with what is usual (running quantiles) and with the
-/// loudest, which is forgotten. All is in dB but for voicing, which counts 10 if it is full.
+/// Levels are compared with those just before, with the usual ones (running quantiles) and with the
+/// loudest, which decays. All features are in dB but voicing, which counts 10 if it is full.
 class OnsetFeatures
 {
 public:
-  /// Hops after a moment that have to be known.
+  /// Hops after a moment that its features need.
   static constexpr int kAhead = 2;
 
   static constexpr int kCount = 99;
 
   OnsetFeatures();
 
-  /// Takes the next hop. True if anything rises about the hop kAhead before it.
+  /// Takes the next hop. Returns whether anything rises around the hop kAhead before it.
   bool add(const BandPowers &powers);
 
-  /// The features of that hop, once add() was true.
+  /// The features of that hop, after add() was true.
   std::span<const float, kCount> features() const
   {
     return features_;
@@ -41,7 +41,8 @@ public:
   void reset();
 
   static constexpr int kNow = 5; ///< newest hops that an impact may fill
-  static constexpr int kGap = 6; ///< from here to kPast before the newest is what was before it
+  static constexpr int kGap
+      = 6; ///< hops from here to kPast before the newest are the past of an impact
   static constexpr int kPast = 15;
 
 private:
@@ -49,7 +50,7 @@ private:
   static constexpr std::size_t kFine = 12;      ///< bands of single bins' mean levels
   static constexpr std::size_t kWhole = kBands; ///< index of all bands' level
   static constexpr std::size_t kLevels = kWhole + 1;
-  static constexpr float kFloor = -75; ///< dB; what is below counts as that
+  static constexpr float kFloor = -75; ///< dB; lower levels count as this
 
   using Levels = std::array<float, kLevels>;
 

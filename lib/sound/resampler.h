@@ -12,30 +12,30 @@ namespace sound {
 /// Rate of the analysis, in Hz.
 inline constexpr int kRate = 16000;
 
-/// Any rate → kRate, by windowed sines. Each frame that comes out is a sum over the same frames
-/// that came in, whatever blocks they came in. Frame n is the sound at n / kRate seconds.
+/// Resamples sound to kRate by windowed sines. Each output frame is a sum over the same input
+/// frames, whatever their blocks. Frame n is the sound at n / kRate seconds.
 class Resampler
 {
 public:
   /// `rate` in Hz, > 0.
   Resampler(int rate, int channels);
 
-  /// Seconds of sound that come in before the first frame goes out.
+  /// Seconds of input before the first output frame.
   double delay() const;
 
   /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, and so do
-  /// those within ±kFaintest, whose powers would be numbers too small for the format, which are
-  /// slow; those beyond ±kLoudest count as that.
+  /// those within ±kFaintest, whose powers would be denormal numbers, which are slow. Samples
+  /// beyond ±kLoudest count as ±kLoudest.
   void add(std::span<const float> frames);
 
-  /// Writes the next frame, a value a channel. False if more has to come in first.
+  /// Writes the next frame, a value a channel. False if it needs more input.
   bool take(std::span<float> frame);
 
   /// As after construction.
   void reset();
 
   static constexpr int kBlock = 1024;     ///< frames
-  static constexpr double kPassed = 0.45; ///< of the lower rate: what is below in frequency
+  static constexpr double kPassed = 0.45; ///< of the lower rate: lower frequencies pass
   static constexpr float kLoudest = 16;
   static constexpr float kFaintest = 1e-10F; ///< −200 dB
 
@@ -50,8 +50,8 @@ private:
   std::vector<float> held_;  ///< room_ a channel
   std::size_t room_ = 0;
   std::size_t held_frames_ = 0;
-  std::int64_t first_ = 0; ///< frame that came in of the first held one
-  std::int64_t next_ = 0;  ///< frame to go out
+  std::int64_t first_ = 0; ///< input frame of the first held one
+  std::int64_t next_ = 0;  ///< next output frame
 };
 
 } // namespace sound

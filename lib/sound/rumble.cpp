@@ -20,21 +20,21 @@ constexpr double kLeastDb = -36;
 constexpr float kHolds = -1;
 constexpr double kFadesDb = 3;
 constexpr double kFadingDb = 0.06;
-/// Where a vowel was as loud, it has to be within 3 dB of what is from 65 Hz to 1 kHz, then within
-/// 5 dB, and to last this long: a puff of breath into a microphone lasts 20 to 100 ms.
+/// Beside an equally loud vowel, rumble must be within 3 dB of the power from 65 Hz to 1 kHz, then
+/// within 5 dB, and last this long: a puff of breath into a microphone lasts 20 to 100 ms.
 constexpr int kLeastHops = 40;
 constexpr double kOverMiddle = 2;
 constexpr double kHoldsMiddle = 3.2;
 constexpr double kVoiced = 0.8;       ///< voicing of vowels
 constexpr double kForgotten = 0.9886; ///< of a vowel's power in a hop: 10 dB a second
-/// It lasts until what is smoothed less falls so far below what is smoothed more, dB.
+/// Rumble lasts until its quick power is so far below its slow power, dB.
 constexpr double kQuickS = 0.02;
 constexpr double kOverDb = -12;
 /// Times in which the floor follows a louder and a weaker sound; silence counts as kSilenceDb.
 constexpr double kRiseS = 10;
 constexpr double kFallS = 2;
 constexpr double kSilenceDb = -70;
-/// So far above the floor it is felt at all, and in full, dB.
+/// Levels above the floor from which on rumble is felt at all, and in full, dB.
 constexpr double kOutDb = 3;
 constexpr double kFullDb = 12;
 

@@ -9,16 +9,16 @@
 
 namespace sound {
 
-/// The part of a sound below 65 Hz that is felt as rumble: it is like engines and thunder and
-/// unlike the bass of music and a narrator's room, or comes from a channel for low frequency
-/// effects, and it stands out from the level of the last seconds. Where somebody speaks as loud, it
-/// has to last.
+/// The part of a sound below 65 Hz that is felt as rumble: it resembles engines and thunder rather
+/// than the bass of music and a narrator's room, or comes from a channel for low frequency effects,
+/// and it stands out from the level of the last seconds. Beside an equally loud voice, it must
+/// last.
 class Rumble
 {
 public:
   explicit Rumble(std::span<const Speaker> speakers);
 
-  /// Takes the next hop. Its level, [0, 1].
+  /// Takes the next hop. Returns its level, [0, 1].
   double add(const BandPowers &powers, double gain_db);
 
   /// Smoothed powers below 65 Hz, a speaker each.
@@ -32,8 +32,8 @@ private:
   std::array<double, kMaxSpeakers> deep_{};
   double quick_ = 0;  ///< power below 65 Hz, smoothed less
   double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
-  double floor_ = 0;  ///< what was heard for long, dB
-  double vowel_ = 0;  ///< power of the loudest vowel, which is forgotten
+  double floor_ = 0;  ///< level of the last seconds, dB
+  double vowel_ = 0;  ///< power of the loudest vowel, decays
   int lasted_ = 0;    ///< hops
   double fading_ = 0; ///< the weakest since it was like rumble, dB
   bool is_rumble_ = false;

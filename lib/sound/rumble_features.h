@@ -8,8 +8,8 @@
 
 namespace sound {
 
-/// Band powers over time → features that separate engines, thunder and explosions from the bass of
-/// music and from voices.
+/// Computes features from band powers, which separate engines, thunder and explosions from the bass
+/// of music and from voices.
 class RumbleFeatures
 {
 public:
@@ -23,12 +23,12 @@ public:
     crest,        ///< peak over mean power of 18–130 Hz in 0.4 s, dB: music beats
     voicing,      ///< of 0.1 s, 10 if it is full
     uneven,       ///< dB: of tones
-    varying,      ///< how much the amplitude below 65 Hz varies in 0.4 s, 10 times what it is
+    varying,      ///< 10 times the relative variation of the amplitude below 65 Hz in 0.4 s
     over_seconds, ///< dB more below 65 Hz than in the last 2 s
     count,
   };
 
-  /// Takes the next hop. What is known up to it; valid until the next call.
+  /// Takes the next hop. Returns the features up to it, valid until the next call.
   std::span<const float, count> add(const BandPowers &powers);
 
   void reset()

@@ -14,9 +14,9 @@ constexpr double kHopS = 0.005;
 /// An impact is over when its level is below this, but not before kLeastHops.
 constexpr double kOver = 0.1;
 constexpr int kLeastHops = 12;
-/// An impact is loudest within this time (explosions rise in 76 ms), and over when it has fallen
-/// by 12 dB, or when what is heard from 500 Hz to 4 kHz are tones: then it is a voice that
-/// sounded like an impact at first, or music.
+/// An impact is loudest within this time (explosions rise in 76 ms), and over when it has fallen by
+/// 12 dB, or when 500 Hz to 4 kHz are tonal: then it is music, or a voice that resembled an impact
+/// at first.
 constexpr int kAttackHops = 16;
 constexpr double kFaded = 0.063;
 constexpr double kTonal = 5.5; ///< mean BandPowers::uneven, dB

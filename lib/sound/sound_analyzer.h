@@ -17,7 +17,7 @@ struct FeelSettings
 {
   double gain_db = 0;  ///< added to every sound before its level
   bool impacts = true; ///< impacts, explosions and shots are felt
-  bool rumble = true;  ///< what stands out below 65 Hz is felt
+  bool rumble = true;  ///< rumble below 65 Hz is felt
 };
 
 /// The effects during kHopTime.
@@ -29,8 +29,8 @@ struct Moment
   bool onset = false; ///< an impact or an explosion begins within 8 ms of the middle
 };
 
-/// A film's sound → what of it is felt, when and where. The result depends on the frames only, not
-/// on the blocks in which they come. Once it is warm it allocates nothing. Not thread-safe.
+/// Computes the felt level and place of a film's sound over time. The result depends on the frames
+/// only, not on their blocks. After the first blocks it allocates nothing. Not thread-safe.
 class SoundAnalyzer
 {
 public:
@@ -40,15 +40,16 @@ public:
   /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers.
   SoundAnalyzer(int rate, std::span<const Speaker> speakers);
 
-  /// Takes interleaved frames, any number. What is now known; valid until the next call.
+  /// Takes interleaved frames, any number. Returns the moments that are known now, valid until the
+  /// next call.
   std::span<const Moment> add(std::span<const float> frames, const FeelSettings &settings);
 
-  /// How much later than the end of a moment its sound has to be in.
+  /// Time after the end of a moment until which its analysis needs sound.
   Time delay() const;
 
   bool has_rear() const;
 
-  /// Forgets all, for a seek. The next frame is at time 0.
+  /// Drops the past, for a seek. The next frame is at time 0.
   void reset();
 
 private:
@@ -59,9 +60,9 @@ private:
   {
     bool lasts = false;
     int hops = 0;      ///< since its onset
-    Powers before{};   ///< what was heard without it
-    double smooth = 0; ///< power of what is louder than that
-    double power = 0;  ///< the least of it since its begin
+    Powers before{};   ///< powers just before it
+    double smooth = 0; ///< power above `before`, smoothed
+    double power = 0;  ///< the least of `smooth` since the onset
     double loudest = 0;
     double level = 0;
     Place place;

@@ -4,12 +4,12 @@
 #include <span>
 #include <vector>
 
-/// Which part of a film's sound is felt, when and where.
+/// From the sound of a film to its vibration: level, time and place.
 namespace sound {
 
 inline constexpr int kMaxSpeakers = 8; ///< 7.1
 
-/// Where a channel's loudspeaker stands, as seen by the audience.
+/// The place of a channel's loudspeaker, as seen by the audience.
 struct Speaker
 {
   enum class Role

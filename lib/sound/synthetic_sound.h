@@ -31,7 +31,7 @@ struct SoundEvent
 struct SoundSettings
 {
   std::uint64_t seed = 0;
-  double seconds = 60; ///< length of what is made; silence follows. [0, 3600]
+  double seconds = 60; ///< length of the sound, [0, 3600]; silence follows
   bool impacts = true; ///< one every 0.8–2 s
   bool explosions = false;
   bool rumble = false;
@@ -41,9 +41,9 @@ struct SoundSettings
   bool panned = true;      ///< sounds are at places of their own, else in the middle of the front
 };
 
-/// Sounds over time, with what they are. A pure function of settings, rate and frame number: the
-/// same in any blocks and after a seek. All is made of sines below 7.5 kHz (hi-hats: 15 kHz),
-/// those above half the rate left out: it is the same sound at any rate.
+/// Sounds over time, with their ground truth. A pure function of settings, rate and frame number:
+/// the same in any blocks and after a seek. All sounds consist of sines below 7.5 kHz (hi-hats: 15
+/// kHz), without those above half the rate: they are the same at any rate.
 class SyntheticSound
 {
 public:

@@ -7,8 +7,8 @@
 
 namespace sound {
 
-/// How periodic a sound is, as a voice is: the normalized autocorrelation of what is between 200
-/// and 1200 Hz, where voices have several partials and the body of an impact few.
+/// Measures how periodic a sound is: the normalized autocorrelation between 200 and 1200 Hz, where
+/// voices have several partials and the body of an impact few.
 class Voicing
 {
 public:

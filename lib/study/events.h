@@ -22,7 +22,7 @@ public:
   Event &add(const char *name, const std::string &text);
   Event &add(const char *name, double number);
   Event &add(const char *name, std::int64_t number);
-  /// Already JSON.
+  /// `json` is added as it is.
   Event &add_json(const char *name, const std::string &json);
 
   std::string line() const

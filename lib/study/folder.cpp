@@ -110,9 +110,26 @@ Folder::read_participants()
   if (error && error != std::errc::no_such_file_or_directory) // Use::reads makes no folder
     return tl::unexpected("'" + data("") + "': " + error.message());
   std::ranges::sort(names);
+<<<<<<< HEAD
   for (const std::string &name : names)
     if (const auto read = read_participant(name); !read)
       damaged_.emplace(name, read.error());
+=======
+  for (const std::string &name : names) {
+    const auto content = files::Journal::peek(data(name + kEnding), kJournal);
+    if (!content)
+      return tl::unexpected(content.error());
+    if (content->damaged)
+      return tl::unexpected("'" + data(name + kEnding)
+                            + "' is damaged; expected a journal of visuotactile-study");
+    if (content->entries.empty())
+      continue; // the program ended before the participant began
+    auto participant = Participant::read(name, content->base, content->entries);
+    if (!participant)
+      return tl::unexpected("'" + data("") + "': " + participant.error());
+    participants_.push_back(*std::move(participant));
+  }
+>>>>>>> study50
   return {};
 }
 
@@ -214,7 +231,7 @@ Folder::start(const std::string &program)
 tl::expected<void, std::string>
 Folder::add(Participant &participant, const Event &event)
 {
-  // An event that does not fit is not written, and one that is not written is not in memory.
+  // Only an event that fits is written, and only a written one is kept in memory.
   std::vector<std::string> lines = participant.lines();
   lines.push_back(event.line());
   auto next = Participant::read(participant.name(), participant.text(), lines);

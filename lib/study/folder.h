@@ -12,8 +12,8 @@
 
 namespace study {
 
-/// A folder with a study's file and its data. What a function has added is on the disk when it
-/// returns. Errors are texts for the user. Not thread-safe.
+/// A folder with a study's file and its data. A function that adds data returns after the disk has
+/// it. Errors are texts for the user. Not thread-safe.
 class Folder
 {
 public:
@@ -31,9 +31,9 @@ public:
   {
     return path_;
   }
-  /// The name of a file of data.
+  /// The path of a file of data.
   std::string data(const std::string &name) const;
-  /// A path of a setting, which counts from the folder.
+  /// The path of a film in the settings, relative to the folder.
   std::string film(const std::string &name) const;
 
   const Study &study() const ///< of the next participant
@@ -50,16 +50,16 @@ public:
     return damaged_;
   }
   Participant *find(const std::string &name) const;
-  /// The one whose session was cut off last; null: none.
+  /// The participant whose session was cut off last; null: none.
   Participant *unfinished() const;
   std::vector<GivenPlace> given_places() const;
 
-  /// The next participant, at the next place.
+  /// Adds the next participant, at next_place().
   tl::expected<Participant *, std::string> start(const std::string &program);
   tl::expected<void, std::string> add(Participant &participant, const Event &event);
-  /// The name of the trace of the next play of a session, below the folder of data.
+  /// The name for the trace of a session's next play, below the folder of data.
   tl::expected<std::string, std::string> next_trace(const Participant &participant, int session);
-  /// Removes all that is known of a participant but the number.
+  /// Removes all data of a participant but the number.
   tl::expected<void, std::string> forget(const std::string &name);
 
 private:
@@ -73,8 +73,12 @@ private:
   Study study_;
   files::File lock_;
   std::vector<std::unique_ptr<Participant>> participants_;
+<<<<<<< HEAD
   Settings damaged_;
   std::map<std::string, files::Journal> journals_; ///< that were opened to write
+=======
+  std::map<std::string, files::Journal> journals_; ///< open for writing
+>>>>>>> study50
 };
 
 } // namespace study

@@ -7,7 +7,7 @@ namespace study {
 
 namespace {
 
-/// How often each condition stood at each position, and followed each other.
+/// Counts how often each condition had each position, and followed each other one.
 class Balance
 {
 public:
@@ -25,7 +25,7 @@ public:
     }
   }
 
-  /// The sum of squares with this row, too: the smaller, the more even.
+  /// The sum of squares with this row added: the smaller, the more even.
   std::size_t unevenness(const Row &row) const
   {
     Balance with = *this;
@@ -80,7 +80,7 @@ next_place(std::size_t groups, const std::vector<Row> &square, const std::vector
   const int least = *std::ranges::min_element(uses);
   Balance balance(square.front().size());
   for (std::size_t i = 0; i < square.size(); i++)
-    for (int n = least; n < uses[i]; n++) // of the square that is not complete
+    for (int n = least; n < uses[i]; n++) // rows of the incomplete square
       balance.add(square[i]);
   std::size_t best = square.size();
   for (std::size_t i = 0; i < square.size(); i++) {

@@ -4,15 +4,15 @@
 #include <cstddef>
 #include <vector>
 
-/// In which order a participant has the conditions.
+/// The order of conditions for each participant.
 namespace study {
 
 using Row = std::vector<std::size_t>;
 
-/// A Williams square of `count` conditions: each stands once at each position, and follows each
-/// other equally often. `count` rows, or twice as many if it is odd. (Williams, E. J.: Experimental
-/// designs balanced for the estimation of residual effects of treatments. Australian J. of
-/// Scientific Research A 2, 1949)
+/// A Williams square of `count` conditions: each condition has each position once, and follows each
+/// other condition equally often. `count` rows, or twice as many if it is odd. (Williams, E. J.:
+/// Experimental designs balanced for the estimation of residual effects of treatments. Australian
+/// J. of Scientific Research A 2, 1949)
 std::vector<Row> williams_square(std::size_t count);
 
 /// A row of the square of a group of participants.
@@ -31,9 +31,8 @@ struct GivenPlace
   bool is_free = false; ///< the participant was dropped
 };
 
-/// The place of the next participant. One that became free is given again; else the smallest group
-/// has the next, in it a row that was taken least, and of these the one with which positions and
-/// successions are most even.
+/// The place of the next participant: one that became free; else, in the smallest group, one of the
+/// least used rows, the one that makes positions and successions most even.
 Place next_place(std::size_t groups, const std::vector<Row> &square,
                  const std::vector<GivenPlace> &given);
 

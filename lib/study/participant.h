@@ -25,7 +25,7 @@ struct Step
     done,
   };
   static constexpr int kPractice = 0;
-  static constexpr int kNone = -1; ///< of no session
+  static constexpr int kNone = -1; ///< a step of no session
 
   Kind kind = Kind::done;
   std::string name; ///< "consent", "1/film", "1/Q1", "1/break", "end/S1"
@@ -55,8 +55,12 @@ struct Play
   std::string film;
   std::string program; ///< version
   std::string gstreamer;
+<<<<<<< HEAD
   std::string chair;               ///< what was wrong with it; empty: nothing
   std::vector<std::string> doubts; ///< marks by the program: not-shown, no-noise, simulated
+=======
+  std::string chair; ///< its fault; empty: none
+>>>>>>> study50
   Timing timing{};
   std::int64_t frames = 0;
   std::int64_t frames_dropped = 0;
@@ -67,10 +71,10 @@ struct Answer
   const Step *step = nullptr;
   std::int64_t at = 0;
   std::int64_t response = 0; ///< ms
-  std::string text;          ///< or, in text, a number
+  std::string text;          ///< also of a number
 };
 
-/// A participant as the journal has it. Pointers into it stay valid.
+/// A participant, read from the journal. Pointers into it stay valid.
 class Participant
 {
 public:
@@ -82,14 +86,14 @@ public:
     forgotten,
   };
 
-  /// By the study's text and the lines of a journal, of which the first is event_start(). The error
-  /// names the line that does not fit.
+  /// Reads the lines of a journal, the first of which is start() or that the participant is
+  /// forgotten, with the text of the study. The error names the line that does not fit.
   static tl::expected<std::unique_ptr<Participant>, std::string>
   read(const std::string &name, const std::string &study, const std::vector<std::string> &lines);
 
   static Event start(const Place &place, const std::string &program);
 
-  /// The event of an answer of a page, or that it has been read; an error if it makes no sense now.
+  /// The event for the answer of a page; an error unless the present step expects it.
   tl::expected<Event, std::string> answer(const std::string &step, const std::string &answer,
                                           std::int64_t response, std::int64_t at = now()) const;
 
@@ -143,7 +147,7 @@ public:
   {
     return static_cast<int>(order_.size());
   }
-  /// The number of the film's session, 1 to sessions().
+  /// The condition of a session, 1 to sessions().
   const Condition &condition(int session) const
   {
     return order_[static_cast<std::size_t>(session - 1)];
@@ -169,7 +173,7 @@ public:
   }
   /// ms until the break may end.
   std::int64_t rest_left(std::int64_t at = now()) const;
-  /// Doubts about a session; empty: none.
+  /// Faults of a session, such as "late"; empty: none.
   std::vector<std::string> marks(int session) const;
 
 private:

@@ -8,8 +8,8 @@
 
 namespace study {
 
-/// How simulated participants answer: by a mean of the scale's middle, an effect of one factor,
-/// which grows evenly from level to level, and normal deviations of the person and of each answer.
+/// The answers of simulated participants: the middle of the scale, an effect of one factor, which
+/// grows evenly from level to level, and normal deviations of the person and of each answer.
 struct Simulation
 {
   std::uint64_t seed = 1;
@@ -18,7 +18,7 @@ struct Simulation
   double spread = 15; ///< standard deviation of people and of answers
 };
 
-/// A participant who goes through all steps at once.
+/// Adds a participant and answers all steps at once.
 tl::expected<void, std::string> simulate_participant(Folder &folder, const Simulation &simulation);
 
 } // namespace study

@@ -32,7 +32,7 @@ struct Factor
 {
   std::string name;
   std::string label;
-  bool between = false; ///< a participant has one of its levels
+  bool between = false; ///< each participant has only one of its levels
   std::vector<Level> levels;
 };
 
@@ -57,7 +57,8 @@ struct Question
 
 const char *name_of(Question::Kind kind);
 
-/// A combination of levels: of all factors within or of all between, in the order of the study.
+/// One level of each factor: of all factors within participants, or of all between them, in the
+/// order of the study.
 struct Condition
 {
   Settings levels;   ///< factor → level
@@ -84,7 +85,7 @@ struct Study
 
   std::vector<Condition> conditions() const; ///< within
   std::vector<Condition> groups() const;     ///< between
-  /// The square of the conditions, which the seed has shuffled.
+  /// The square of the conditions, shuffled by the seed.
   std::vector<Row> square() const;
 };
 
@@ -94,11 +95,12 @@ constexpr std::size_t kMostText = std::size_t{ 1 } << 20;
 /// Reads a study's text. The error names what was expected and where.
 tl::expected<Study, std::string> read_study(const std::string &text);
 
-/// The text with the items of questionnaires, whose files are in the folder: it needs no others.
+/// The study's text with the items of questionnaires, whose files are in the folder. It needs no
+/// other file.
 tl::expected<std::string, std::string> whole_study(const std::string &text,
                                                    const std::string &folder);
 
-/// The paper's study, its third film by this name.
+/// The text of the paper's study, with this name of the third film.
 std::string paper_study(const std::string &film);
 /// The results of the paper, as a table for the report.
 extern const char *const kPaperResults;

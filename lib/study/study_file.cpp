@@ -49,7 +49,11 @@ constexpr Setting kSettings[] = {
   { "calibration", "" },
 };
 
+<<<<<<< HEAD
 /// Names of columns of the table and of the report's, and words of R: no factor may have one.
+=======
+/// Columns of the table: no factor may have such a name.
+>>>>>>> study50
 constexpr std::string_view kColumns[] = {
   "participant",  "state",
   "group",        "session",
@@ -78,7 +82,7 @@ constexpr std::string_view kColumns[] = {
 
 using KeyFile = std::unique_ptr<GKeyFile, void (*)(GKeyFile *)>;
 
-/// A key file that is read group by group, with the first fault kept.
+/// Reads a key file group by group and keeps the first fault.
 class Reader
 {
 public:
@@ -100,7 +104,7 @@ public:
                + (group.empty() ? "" : ": ") + what;
   }
 
-  /// Those whose name begins with this word; what follows it.
+  /// Groups whose name begins with this word, without the word.
   std::vector<std::string> groups(const std::string &word) const
   {
     std::vector<std::string> found;
@@ -185,7 +189,7 @@ private:
   std::string fault_;
 };
 
-/// Whether factors, levels and questions may have the name.
+/// Whether a factor, level or question may have the name.
 bool
 is_name(const std::string &name)
 {
@@ -194,7 +198,7 @@ is_name(const std::string &name)
              name, [](char c) { return g_ascii_isalnum(c) || c == '-' || c == '_' || c == '.'; });
 }
 
-/// The settings of a group; other keys are `known`.
+/// The settings of a group, without its keys in `known`.
 Settings
 read_settings(Reader &reader, const std::string &group,
               std::initializer_list<std::string_view> known = {})
@@ -337,7 +341,7 @@ read_questions(Reader &reader, Study &study)
     reader.fail("question", "", "expected at most 500");
 }
 
-/// A file of the folder, below it.
+/// Reads a file. Relative paths begin at the folder.
 tl::expected<std::string, std::string>
 read_beside(const std::string &folder, const std::string &name)
 {

@@ -7,7 +7,7 @@
 
 namespace study {
 
-/// The answers as CSV (RFC 4180): a row for each, with all that is known of its session.
+/// The answers as CSV (RFC 4180): a row for each answer, with the data of its session.
 std::string answer_table(const Folder &folder);
 
 /// The orders of conditions as CSV: a row for each participant, a column for each position.

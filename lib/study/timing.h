@@ -8,7 +8,7 @@
 
 namespace study {
 
-/// How late the commands of a play were against the clock: issued − due, in ms.
+/// The lateness of a play's commands by the clock: issued − due, in ms.
 struct Timing
 {
   std::int64_t commands = 0;
@@ -18,7 +18,7 @@ struct Timing
   double max = 0;
 };
 
-/// By a command trace of tactorsink.
+/// Reads a command trace of tactorsink.
 tl::expected<Timing, std::string> read_timing(const std::string &trace);
 
 } // namespace study

@@ -90,10 +90,10 @@ Carriers::voices(int channels) const
     Equalized &carrier = waves[{ waveform, frequency, sample.get(), tuning.equalizer }];
     if (!carrier.wave)
       carrier = equalized(sample ? sample : make_wave(waveform, frequency), tuning.equalizer);
-    voices.push_back(
-        { .wave = carrier.wave,
-          .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
-          .gain = static_cast<float>(entry_of(gains, i) * tuning.gain * carrier.peak) });
+    voices.push_back({ .wave = carrier.wave,
+                       .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
+                       .gain = static_cast<float>(entry_of(gains, i) * tuning.gain * carrier.peak),
+                       .frequency = sample ? sample->frequency : frequency });
   }
   return voices;
 }

@@ -87,6 +87,7 @@ Play::begin(Time time)
   position_ = 0;
   has_begun_ = true;
   synthesizer_ = make_synthesizer();
+  pitch_ = 0;
   synthesizer_.arm(grid_.rate * soft_start_ / Time(std::chrono::seconds(1)));
 }
 
@@ -97,8 +98,12 @@ Play::has_begun() const
 }
 
 void
-Play::plan(Time time, Time duration, std::span<const float> levels)
+Play::plan(Time time, Time duration, std::span<const float> levels, double frequency)
 {
+  const double before = pitches_.empty() ? pitch_ : pitches_.back().frequency;
+  const bool is_felt = std::ranges::any_of(levels, [](float level) { return level > 0; });
+  if (frequency != before && is_felt)
+    pitches_.push_back({ .time = time, .frequency = frequency });
   pool(cells_, levels, pooled_);
   queue_.push(planner_.plan(time, duration, pooled_));
 }
@@ -113,6 +118,7 @@ void
 Play::flush(bool resets_time)
 {
   queue_.clear();
+  pitches_.clear();
   if (resets_time)
     planner_.reset(now());
   else
@@ -152,7 +158,21 @@ void
 Play::change(const tactor::Command &command)
 {
   const double amplitude = mute_ ? 0 : command.volts / planner_.settings().volts_max;
-  synthesizer_.change(static_cast<std::size_t>(command.tactor), static_cast<float>(amplitude));
+  const auto channel = static_cast<std::size_t>(command.tactor);
+  if (amplitude > 0)
+    synthesizer_.tune(channel, pitch_at(command.effect));
+  synthesizer_.change(channel, static_cast<float>(amplitude));
+}
+
+/// The frequency of the map at `time`: a channel has it from its command for the map on.
+double
+Play::pitch_at(Time time) const
+{
+  double pitch = pitch_;
+  for (const Pitch &next : pitches_)
+    if (next.time <= time)
+      pitch = next.frequency;
+  return pitch;
 }
 
 bool
@@ -162,6 +182,17 @@ Play::render(std::span<float> samples)
   bool sounds = false;
   while (!samples.empty()) {
     auto count = static_cast<std::int64_t>(samples.size() / channels);
+    if (!pitches_.empty()) {
+      const std::int64_t next = grid_.index_of(pitches_.front().time);
+      if (next <= position_) {
+        pitch_ = pitches_.front().frequency;
+        pitches_.pop_front();
+        for (std::size_t i = 0; i < channels; i++)
+          synthesizer_.tune(i, pitch_);
+        continue;
+      }
+      count = std::min(count, next - position_);
+    }
     if (const std::optional<std::int64_t> next = next_change()) {
       if (*next <= position_) {
         for (const tactor::Command &command : queue_.take_due(*queue_.next_due())) {

@@ -9,6 +9,7 @@
 #include "tactor/command_queue.h"
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
@@ -47,8 +48,9 @@ public:
   void begin(Time time);
   bool has_begun() const;
 
-  /// A map that is shown during [time, time + duration).
-  void plan(Time time, Time duration, std::span<const float> levels);
+  /// A map that is shown during [time, time + duration). `frequency` is that of its vibrations in
+  /// Hz; 0: those of the carriers.
+  void plan(Time time, Time duration, std::span<const float> levels, double frequency = 0);
   /// All channels to zero at `time`.
   void silence(Time time);
   /// Drops the plan; running time restarts or continues. The account of the limits stays. Call
@@ -71,6 +73,7 @@ private:
   Synthesizer make_synthesizer() const;
   std::optional<std::int64_t> next_change() const;
   void change(const tactor::Command &command);
+  double pitch_at(Time time) const;
 
   std::vector<Voice> voices_;
   tactor::CommandPlanner planner_;
@@ -85,6 +88,14 @@ private:
   ChannelCells cells_{};
   std::function<void(const tactor::Command &, Time)> listener_{};
   std::vector<float> pooled_; ///< one map's levels
+
+  struct Pitch
+  {
+    Time time; ///< of the first map that has it
+    double frequency;
+  };
+  std::deque<Pitch> pitches_{}; ///< of maps to come
+  double pitch_ = 0;            ///< of the maps before them
 };
 
 } // namespace synth

@@ -41,7 +41,8 @@ Synthesizer::Synthesizer(int rate, std::vector<Voice> voices, int ramp) : amplit
     const double advance = voice.wave->frequency / rate;
     channels_.push_back({ .voice = std::move(voice),
                           .phase = part_of_round(voice.phase),
-                          .advance = part_of_round(advance) });
+                          .advance = part_of_round(advance),
+                          .own_advance = advance });
   }
   for (int i = 0; i < ramp; i++) {
     const double x = (i + 0.5) / ramp;
@@ -65,6 +66,15 @@ Synthesizer::change(std::size_t index, float amplitude)
   if (channel.wanted > 0 && std::exchange(armed_, false))
     softened_ = 0;
   begin_ramp(channel);
+}
+
+void
+Synthesizer::tune(std::size_t index, double frequency)
+{
+  Channel &channel = channels_[index];
+  const bool is_own = frequency <= 0 || channel.voice.frequency <= 0;
+  const double factor = is_own ? 1 : frequency / channel.voice.frequency;
+  channel.advance = part_of_round(channel.own_advance * factor);
 }
 
 void

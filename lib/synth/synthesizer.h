@@ -16,8 +16,9 @@ namespace synth {
 struct Voice
 {
   std::shared_ptr<const Wave> wave;
-  double phase = 0; ///< rounds by which its wave is ahead
-  float gain = 1;   ///< factor on amplitudes; with 1 and more they are limited to full scale
+  double phase = 0;     ///< rounds by which its wave is ahead
+  float gain = 1;       ///< factor on amplitudes; with 1 and more they are limited to full scale
+  double frequency = 0; ///< Hz of the carrier
 };
 
 /// Carriers whose amplitudes change by ramps. A carrier goes on where it is silent, so that its
@@ -45,6 +46,9 @@ public:
   /// after half a ramp.
   void change(std::size_t channel, float amplitude);
 
+  /// The channel's carrier goes on at this frequency, in Hz; 0: at its own.
+  void tune(std::size_t channel, double frequency);
+
   /// The next vibration begins softly: its amplitude is limited by a line from zero to full scale
   /// in so many samples.
   void arm(std::int64_t soft_start);
@@ -70,6 +74,7 @@ private:
     Voice voice;
     std::uint64_t phase;   ///< 2^64 is a round
     std::uint64_t advance; ///< of a sample
+    double own_advance;    ///< in rounds
     float settled = 0;     ///< amplitude without the ramps
     float target = 0;      ///< amplitude after all ramps
     float wanted = 0;      ///< as target, with those that wait

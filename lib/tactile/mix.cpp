@@ -37,6 +37,7 @@ resample(const TactileMap &map, int rows, int columns)
   if (map.rows == rows && map.columns == columns)
     return map;
   TactileMap result(rows, columns);
+  result.frequency = map.frequency;
   // The share of cell `c` of `to` that source cell `s` of `from` covers.
   const auto share = [](int s, int from, int c, int to) {
     const double begin = std::max(static_cast<double>(s) / from, static_cast<double>(c) / to);
@@ -83,6 +84,8 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
     return;
   case Mix::max:
   case Mix::sum:
+    if (strength > place)
+      map.frequency = top.frequency;
     std::ranges::transform(map.levels, top.levels, map.levels.begin(), [mix](float a, float b) {
       return mix == Mix::sum ? std::min(a + b, 1.0F) : std::max(a, b);
     });

@@ -29,7 +29,8 @@ bool is_silent(const TactileMap &map);
 /// Resamples to another grid over the same picture: a cell's level is the mean over its area.
 TactileMap resample(const TactileMap &map, int rows, int columns);
 
-/// Combines `over` into `map`; `over` is resampled to the grid of `map` if needed.
+/// Combines `over` into `map`; `over` is resampled to the grid of `map` if needed. The frequency is
+/// that of the stronger.
 void mix_into(TactileMap &map, const TactileMap &over, Mix mix);
 
 } // namespace tactile

@@ -12,6 +12,9 @@ namespace tactile {
 inline constexpr int kMinGridSide = 1;
 inline constexpr int kMaxGridSide = 64;
 
+/// The highest frequency of a map, in Hz; the lowest is 1.
+inline constexpr float kHighestFrequency = 1000;
+
 /// Levels of a grid of tactors at one moment: `rows × columns` values in [0, 1], row-major,
 /// starting with the top left tactor as seen on the screen (paper, Section 3: "a tactile map such
 /// as a 3×3 array").
@@ -20,6 +23,8 @@ struct TactileMap
   int rows = 0;
   int columns = 0;
   std::vector<float> levels;
+  /// Frequency of the vibrations in Hz, for actuators that have a choice; 0: the actuator's own.
+  float frequency = 0;
 
   TactileMap() = default;
 

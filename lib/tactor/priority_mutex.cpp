@@ -41,7 +41,7 @@ PriorityMutex::try_lock()
   return pthread_mutex_trylock(&mutex_) == 0;
 }
 
-/// By the wall clock: kernels before 5.14 have no other one for such a mutex.
+/// Waits by the wall clock: kernels before 5.14 have no other clock for such a mutex.
 bool
 PriorityMutex::try_lock_until(std::chrono::steady_clock::time_point time)
 {

@@ -49,8 +49,8 @@ is_default(const struct sigaction &action)
   return (action.sa_flags & SA_SIGINFO) == 0 && action.sa_handler == SIG_DFL;
 }
 
-/// Sets a signal's action if it is one that `may_change`. It is looked at first: an application's
-/// own is never replaced, but for a moment if it is set on another thread meanwhile.
+/// Sets a signal's action if it is one that `may_change`. The present action is read first: an
+/// application's own is never replaced, but for a moment if it is set on another thread meanwhile.
 /// Async-signal-safe.
 void
 exchange(int number, const struct sigaction &action, bool (*may_change)(const struct sigaction &))
@@ -138,7 +138,7 @@ public:
       restore(number);
     pipe_in = -1;
     abort_is_due = true;
-    // Those that came meanwhile.
+    // Signals that came meanwhile.
     for (unsigned char byte = 0; read(pipe_[0], &byte, 1) == 1;)
       if (byte != 0 && (byte & kWaits) == 0)
         die(byte);

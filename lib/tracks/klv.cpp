@@ -14,7 +14,8 @@ namespace tactile {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kHeader = 11; ///< of the value: version, rows, columns, duration
+constexpr std::uint8_t kTunedVersion = 2; ///< with a frequency
+constexpr std::size_t kHeader = 11;       ///< of the value: version, rows, columns, duration
 
 void
 append_big_endian(std::vector<std::uint8_t> &bytes, std::uint64_t value, int size)
@@ -92,20 +93,23 @@ std::vector<std::uint8_t>
 write_klv(const TactileMap &map, Time duration)
 {
   std::vector<std::uint8_t> bytes(kKlvKey.begin(), kKlvKey.end());
-  const std::size_t length = kHeader + 4 * map.levels.size();
+  const bool tuned = map.frequency > 0;
+  const std::size_t length = kHeader + 4 * (map.levels.size() + (tuned ? 1 : 0));
   if (length < 0x80) {
     bytes.push_back(static_cast<std::uint8_t>(length));
   } else {
     bytes.push_back(0x82);
     append_big_endian(bytes, length, 2);
   }
-  bytes.push_back(kVersion);
+  bytes.push_back(tuned ? kTunedVersion : kVersion);
   bytes.push_back(static_cast<std::uint8_t>(map.rows));
   bytes.push_back(static_cast<std::uint8_t>(map.columns));
   append_big_endian(bytes, static_cast<std::uint64_t>(std::max(duration.count(), Time::rep{ 0 })),
                     8);
   for (const float level : map.levels)
     append_big_endian(bytes, std::bit_cast<std::uint32_t>(level), 4);
+  if (tuned)
+    append_big_endian(bytes, std::bit_cast<std::uint32_t>(map.frequency), 4);
   return bytes;
 }
 
@@ -122,7 +126,9 @@ read_klv(std::span<const std::uint8_t> bytes)
   reader.expect(length == reader.left(), begin,
                 "expected a value of " + std::to_string(length) + " bytes, got "
                     + std::to_string(reader.left()));
-  reader.expect(reader.take(1) == kVersion, begin, "expected version 1");
+  const std::uint64_t version = reader.take(1);
+  const bool tuned = version == kTunedVersion;
+  reader.expect(version == kVersion || tuned, begin, "expected version 1 or 2");
   const auto rows = static_cast<int>(reader.take(1));
   const auto columns = static_cast<int>(reader.take(1));
   reader.expect(rows >= kMinGridSide && rows <= kMaxGridSide && columns >= kMinGridSide
@@ -134,11 +140,16 @@ read_klv(std::span<const std::uint8_t> bytes)
   if (reader.failed())
     return reader.finish();
   Cue cue{ .end = Time(static_cast<Time::rep>(duration)), .map = TactileMap(rows, columns) };
-  reader.expect(reader.left() == 4 * cue.map.levels.size(), reader.at(),
+  reader.expect(reader.left() == 4 * (cue.map.levels.size() + (tuned ? 1 : 0)), reader.at(),
                 "expected " + std::to_string(cue.map.levels.size()) + " levels");
   for (float &level : cue.map.levels) {
     level = std::bit_cast<float>(static_cast<std::uint32_t>(reader.take(4)));
     reader.expect(level >= 0 && level <= 1, reader.at() - 4, "expected a level from 0 to 1");
+  }
+  if (tuned) {
+    cue.map.frequency = std::bit_cast<float>(static_cast<std::uint32_t>(reader.take(4)));
+    reader.expect(cue.map.frequency >= 1 && cue.map.frequency <= kHighestFrequency, reader.at() - 4,
+                  "expected a frequency from 1 to 1000 Hz");
   }
   return reader.finish(std::move(cue));
 }

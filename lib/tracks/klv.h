@@ -18,10 +18,11 @@ namespace tactile {
 /// |---|---|
 /// | 16 | key: a defined-length pack, node "TACTILE" of the experimental branch (unregistered) |
 /// | 1, 3 or more | length of the value, BER |
-/// | 1 | version, 1 |
+/// | 1 | version: 1, or 2 with a frequency |
 /// | 1, 1 | rows, columns, 1 to 64 |
 /// | 8 | duration in nanoseconds |
 /// | 4 each | levels in [0, 1], IEEE 754, row-major |
+/// | 4 | version 2: frequency in Hz, 1 to 1000, IEEE 754 |
 inline constexpr std::array<std::uint8_t, 16> kKlvKey
     = { 0x06, 0x0e, 0x2b, 0x34, 0x02, 0x05, 0x01, 0x01, 0x0f, 'T', 'A', 'C', 'T', 'I', 'L', 'E' };
 

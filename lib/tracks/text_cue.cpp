@@ -58,6 +58,34 @@ take_level(std::string_view &text, std::size_t line)
   return static_cast<float>(percent / 100);
 }
 
+/// Removes "120 Hz" from the end; 0: there is none, or it is none that a map can have.
+float
+take_frequency(std::string_view &text, bool &is_valid)
+{
+  constexpr std::string_view kUnit = "Hz";
+  const auto trim = [&] {
+    while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != text.npos)
+      text.remove_suffix(1);
+  };
+  const std::string_view whole = text;
+  trim();
+  is_valid = true;
+  if (!text.ends_with(kUnit)) {
+    text = whole;
+    return 0;
+  }
+  text.remove_suffix(kUnit.size());
+  trim();
+  const std::size_t first = text.find_last_not_of(".0123456789") + 1;
+  float frequency = 0;
+  const auto [end, error] = std::from_chars(text.data() + first, text.data() + text.size(),
+                                            frequency, std::chars_format::fixed);
+  is_valid = error == std::errc() && end == text.data() + text.size() && frequency >= 1
+             && frequency <= kHighestFrequency;
+  text = text.substr(0, first);
+  return is_valid ? frequency : 0;
+}
+
 /// Consumes a number of rows or columns.
 bool
 take_side(std::string_view &text, int &side)
@@ -83,12 +111,18 @@ write_text_cue(const TactileMap &map)
     if (row + 1 < map.rows)
       text += '\n';
   }
+  if (map.frequency > 0)
+    text += "\n" + std::to_string(std::max(std::lround(map.frequency), 1L)) + " Hz";
   return text;
 }
 
 tl::expected<TactileMap, FormatError>
 read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first_line)
 {
+  bool is_frequency = true;
+  const float frequency = take_frequency(text, is_frequency);
+  if (!is_frequency)
+    return wrong(first_line, "expected a frequency from 1 to 1000 Hz");
   std::vector<float> levels;
   std::size_t line = first_line;
   std::size_t columns = 0;
@@ -143,6 +177,7 @@ read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first
                                  + std::to_string(map.columns) + ", got "
                                  + std::to_string(levels.size()));
   map.levels = std::move(levels);
+  map.frequency = frequency;
   return map;
 }
 

@@ -24,6 +24,8 @@ struct Grid
 ///      0   0   0
 ///      0  75  75
 ///      0   0   0
+///
+/// A map with a frequency has a last line such as "120 Hz".
 std::string write_text_cue(const TactileMap &map);
 
 /// Reads such a picture. Numbers are separated by any white space, including no-break spaces, and

@@ -65,6 +65,8 @@ Track::append(Time time, const TactileMap &map)
                    + " levels");
   if (time < entries_.back().time || time < end_ || time > kMaxEnd)
     return refused("expected times that increase, up to 100 hours");
+  if (map.frequency != 0 && is_silent(map))
+    return append(time, silent_);
   if (time == entries_.back().time) {
     entries_.back().map = map;
     if (entries_.size() > 1 && std::prev(entries_.end(), 2)->map == map)
@@ -106,6 +108,13 @@ Track::index_at(Time time) const
   return static_cast<std::size_t>(std::distance(entries_.begin(), after)) - 1;
 }
 
+bool
+has_frequency(const Track &track)
+{
+  return std::ranges::any_of(track.entries(),
+                             [](const Track::Entry &entry) { return entry.map.frequency > 0; });
+}
+
 Track
 at_resolution(const Track &track, Time tick, int steps)
 {
@@ -114,9 +123,11 @@ at_resolution(const Track &track, Time tick, int steps)
   // Cannot fail: there are no more entries than before, and none is later.
   for (const Track::Entry &entry : track.entries()) {
     TactileMap map = entry.map;
-    if (steps > 0)
+    if (steps > 0) {
       for (float &level : map.levels)
         level = std::round(level * static_cast<float>(steps)) / static_cast<float>(steps);
+      map.frequency = std::round(map.frequency);
+    }
     (void)result.append(entry.time / tick * tick, map);
   }
   (void)result.set_end(track.end() / tick * tick);

@@ -15,8 +15,8 @@ namespace tactile {
 /// 0 and from end() on all levels are 0.
 ///
 /// The representation is unique: a track begins with a map at 0, a silent one by default; times
-/// increase, adjacent maps differ, and all times are before end(). A value type: threads may share
-/// one that none of them changes.
+/// increase, adjacent maps differ, silent ones have no frequency, and all times are before end(). A
+/// value type: threads may share one that none of them changes.
 class Track
 {
 public:
@@ -74,9 +74,12 @@ private:
   Time end_{ 0 };
 };
 
+/// Whether a map of the track has one.
+bool has_frequency(const Track &track);
+
 /// The track as a format can store it. Times are rounded down to multiples of `tick`, so that no
-/// cue begins after its frame. Levels are rounded to multiples of 1 / `steps` (0: unchanged). Maps
-/// shorter than a tick are lost.
+/// cue begins after its frame. Levels are rounded to multiples of 1 / `steps`, frequencies to whole
+/// Hz (0: unchanged). Maps shorter than a tick are lost.
 Track at_resolution(const Track &track, Time tick, int steps);
 
 } // namespace tactile

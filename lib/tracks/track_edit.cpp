@@ -161,7 +161,8 @@ merge_equal(const Track &track, float tolerance)
     return std::abs(a - b) <= tolerance && (a > 0) == (b > 0);
   };
   for (const Track::Entry &entry : track.entries()) {
-    if (last && std::ranges::equal(entry.map.levels, last->levels, is_equal))
+    if (last && entry.map.frequency == last->frequency
+        && std::ranges::equal(entry.map.levels, last->levels, is_equal))
       continue;
     result.append(entry.time, entry.map);
     last = &entry.map;
@@ -232,6 +233,12 @@ silence(const Track &track, Time begin, Time end)
     }
   }
   return result.finish(track.end());
+}
+
+Track
+tune(const Track &track, float frequency)
+{
+  return with_maps(track, [&](TactileMap &map) { map.frequency = frequency; });
 }
 
 Track
@@ -310,8 +317,10 @@ diff(const Track &before, const Track &after, float tolerance)
   for (std::size_t i = 0; i + 1 < times.size(); i++) {
     const TactileMap &a = before.at(times[i]);
     const TactileMap &b = after.at(times[i]);
-    const bool same = std::ranges::equal(
-        a.levels, b.levels, [&](float x, float y) { return std::abs(x - y) <= tolerance; });
+    const bool same = a.frequency == b.frequency
+                      && std::ranges::equal(a.levels, b.levels, [&](float x, float y) {
+                           return std::abs(x - y) <= tolerance;
+                         });
     if (same)
       continue;
     Difference *last = differences.empty() ? nullptr : &differences.back();

@@ -37,6 +37,9 @@ tl::expected<Track, FormatError> clip(const Track &track, Time begin, Time end);
 /// Silences [begin, end).
 tl::expected<Track, FormatError> silence(const Track &track, Time begin, Time end);
 
+/// Gives each map a frequency in Hz; 0: none.
+Track tune(const Track &track, float frequency);
+
 /// Silences these cells, row-major from 0; other indices are ignored.
 Track mask(const Track &track, const std::vector<int> &cells);
 
@@ -63,8 +66,9 @@ struct Difference
   TactileMap after;
 };
 
-/// Lists where `after` differs from `before` by more than `tolerance` in any cell, in order of
-/// time. Fails if the grids differ. Beyond the end of a track all its levels are 0.
+/// Lists where `after` differs from `before` by more than `tolerance` in any cell, or by its
+/// frequency, in order of time. Fails if the grids differ. Beyond the end of a track all its levels
+/// are 0.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
 

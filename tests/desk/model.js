@@ -280,6 +280,21 @@ export function small_edits_make_small_splices() {
   equal(strokes.split(short, { from: 0, to: 100 }, 50, 20), [{ at: 0, remove: 1, insert: [at(0, 50, [50]), at(70, 100, [50])] }], 'in two');
 }
 
+export function frequencies_stay_with_what_is_felt() {
+  const at = (start, end, levels, frequency) => ({ start, end, levels, ...(frequency && { frequency }) });
+  const track = new Track(1, 2, [at(0, 100, [50, 0], 120), at(100, 200, [50, 0]), at(400, 500, [0, 9], 80)]);
+  equal(strokes.setLevel(track, { from: 0, to: 50 }, 60)[0].insert, [at(0, 50, [60, 0], 120), at(50, 100, [50, 0], 120)], 'a level');
+  equal(strokes.move(track, { from: 0, to: 100 }, { ms: 600 })[1].insert, [at(600, 700, [50, 0], 120)], 'moved');
+  equal(strokes.draw(track, { from: 400, to: 500, cells: [0] }, 10)[0].insert, [at(400, 500, [10, 9], 80)], 'another cell');
+  equal(strokes.setNotes(track, 0, ['a'])[0].insert, [{ ...at(0, 100, [50, 0], 120), notes: ['a'] }], 'a note');
+  const other = new Track(1, 2, [at(0, 100, [50, 0], 121), ...track.cues.slice(1)]);
+  holds(track.fingerprint !== other.fingerprint, 'another frequency, another fingerprint');
+  const back = new Track(1, 2, track.cues);
+  const { inverse } = back.apply(strokes.erase(back, { from: 0, to: 500 }));
+  back.apply(inverse);
+  equal(back.cues, track.cues, 'undone');
+}
+
 export function notes_stay_with_what_is_felt() {
   const at = (start, end, levels, ...notes) => ({ start, end, levels, ...(notes.length > 0 && { notes }) });
   const one = new Track(1, 2, [at(0, 100, [50, 0], 'a', 'b'), at(200, 300, [0, 10])]);

@@ -38,6 +38,8 @@ check(std::string_view bytes)
   expect(track.entries().front().time == Time(0));
   for (const Track::Entry &entry : track.entries()) {
     expect(entry.map.rows == track.rows() && entry.map.columns == track.columns());
+    const float frequency = entry.map.frequency;
+    expect(frequency == 0 || (frequency >= 1 && frequency <= kHighestFrequency));
     for (const float level : entry.map.levels)
       expect(level >= 0 && level <= 1);
   }

@@ -136,7 +136,7 @@ def the_papers_conclusions(parent):
         table = csv.DictWriter(file, rows[0].keys())
         table.writeheader()
         table.writerows(rows)
-    subprocess.run(["Rscript", "--vanilla", os.environ["VISUOTACTILE_STUDY_R"] + "/report.R", report, folder / "published.csv", "without-marked"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+    subprocess.run(["Rscript", "--vanilla", os.environ["VISUOTACTILE_STUDY_R"] + "/report.R", report, folder / "published.csv", "without-marked"], check=True, timeout=300, stdout=subprocess.DEVNULL)
     anova = compare(rows, report)
     for question, f in PAPER_F.items():
         assert abs(float(anova[question, "cues"]["F"]) - f) < 1e-6 and float(anova[question, "cues"]["p"]) < 0.001

@@ -119,25 +119,30 @@ expect 0 unset mute grid
 line
 lacks intensity=
 [ -s said ] && fail "without settings it says: $(cat said)"
-expect 0 set driver=simulator grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast sound=music
+expect 0 set driver=simulator device=chair grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast sound=music
 line
 for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
   has "$setting"
 done
-said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, grid=2x4, intensity=0.5, mute=true, sensitivity=2, density=0.25, people=fast, sound=music"
+said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true, sensitivity=2, density=0.25, people=fast, sound=music, grid=2x4"
 # Options override them.
 line --intensity=1 --rows=3 --people=off --sound=off
 has rows=3
 for setting in intensity= people=; do
   lacks "$setting"
 done
-said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, mute=true, sensitivity=2, density=0.25"
-# A mapping and a grid are of the user's driver, and not of another.
+said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, mute=true, sensitivity=2, density=0.25, grid=2x4"
+# A device, a mapping and a grid are of the user's driver, and not of another, unless they are given.
 line --driver=gamepad
 has driver=gamepad
 has intensity=0.5
-lacks mapping
-lacks rows=
+for setting in mapping device=chair rows=; do
+  lacks "$setting"
+done
+line --driver=gamepad --device=chair --rows=2 --columns=4
+for setting in device=chair rows=2 columns=4; do
+  has "$setting"
+done
 line --quiet
 [ -s said ] && fail "with --quiet it says: $(cat said)"
 # A section of its own.
@@ -146,6 +151,6 @@ line
 has intensity=0.25
 if [ -n "${VISUOTACTILE_DESK:-}" ]; then
   "$TRACK" desk --no-browser "$work/none.mkv" >said 2>&1 && fail "a desk without a film ends with 0"
-  said "settings of the user: driver=simulator, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true"
+  said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true"
 fi
 echo "settings are as the programs take them"

@@ -403,6 +403,16 @@ forms() {
     track convert one.csv -o "again.$form"
     cmp "film.$form" "again.$form"
   done
+  # Frequencies: kept, or told.
+  track edit film.csv -o tuned.csv --frequency=120
+  for form in vtt hjif haptic ahap; do
+    track convert tuned.csv -o "tuned.$form"
+    ! grep -q "the frequencies" err || fail "$form"
+  done
+  for form in sem.xml funscript; do
+    track convert tuned.csv -o "tuned.$form"
+    grep -q "not in 'tuned.$form': the frequencies" err || fail "$form"
+  done
 }
 
 edits() {

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """tactile-track index and find, in a folder and on a static web server, which sees two requests and nothing of the user's.
-Environment: TRACK"""
+Environment: TRACK, PLAY, the desk and the plugins"""
 
+import csv
 import functools
 import http.server
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import tempfile
@@ -67,6 +69,28 @@ other = films / "Another.mkv"
 other.write_bytes(b"another")
 expect(track("find", other, "--tracks", library, status=1), "no track for", "tactile-track author")
 expect(track("find", other, "--tracks", address, status=1), "no track for", "tracks.json")
+
+# visuotactile-play plays it, and the desk copies it, under another name than the film's.
+played = films / "Played.mkv"
+subprocess.run(["gst-launch-1.0", "-q", "tactiletestsrc", "num-buffers=60", "!", "video/x-raw,width=320,height=240", "!", "x264enc", "!",
+                "matroskamux", "!", "filesink", f"location={played}"], check=True)
+(library / "Of it.csv").write_text("# tactile grid=1x2\ntime_ms,t0,t1\n0,0,0\n500,0,0.5\n1500,0,0\n1800,0,0\n", encoding="utf-8")
+(films / "Of it.mkv").symlink_to(played)
+expect(track("index", library, "--films", films), "2 tracks")
+(films / "Of it.mkv").unlink()
+subprocess.run([os.environ["PLAY"], "--no-window", "--driver=simulator", f"--output={work / 'out'}", f"--tracks={address}", played], check=True)
+with open(work / "out" / "commands.csv", encoding="utf-8") as file:
+    commands = list(csv.DictReader(file))
+assert commands and all(each["tactor"] == "1" for each in commands), commands
+assert commands[0]["effect_ns"] == "500000000" and "1.500" in [each["volts"] for each in commands], commands
+assert commands[-1]["effect_ns"] == "1500000000" and float(commands[-1]["volts"]) == 0, commands
+with subprocess.Popen([os.environ["TRACK"], "desk", played, "--no-browser", "--driver=simulator", f"--tracks={address}"],
+                      stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as desk:
+    expect(desk.stderr.readline(), "is a copy of", "Of%20it.csv")
+    desk.stdout.readline()  # its address
+    desk.send_signal(signal.SIGINT)
+    desk.communicate()
+assert track("diff", played.with_suffix(".vtt"), library / "Of it.csv") == ""
 
 # Servers that are wrong.
 expect(track("find", renamed, "--tracks", f"{address}/moved", status=1), "got status 302", "redirects are not followed")

@@ -20,7 +20,7 @@ struct AnalysisSettings
   int rows = 3;
   int columns = 3;
   std::string profile = "tuned";
-  const fusion::Profile *sound = nullptr; ///< what is felt of it
+  const fusion::Profile *sound = nullptr; ///< of the film's sound; null: none is felt
 };
 
 /// All that a track depends on but its film, in words: "grid=3x3 rate=5 profile=tuned sound=off
@@ -40,10 +40,11 @@ struct FilmMap
   bool at_once = false; ///< of the sound, see BlockSampler
 };
 
-/// None for a sample that is no map in the film, whose time 0 is at this stream time.
+/// The map of a sample; `start`: the stream time of the film's 0:00. None if the sample is no map
+/// in the film.
 std::optional<FilmMap> film_map(GstSample *sample, visuotactile::Time start);
 
-/// What is felt of a stream of maps: blocks, as tactorsink takes them. Maps of the sound are taken
+/// Selects the felt maps of a stream: blocks, as tactorsink takes them. Maps of the sound are taken
 /// at once.
 class BlockSampler
 {

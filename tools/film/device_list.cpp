@@ -61,7 +61,7 @@ audio_sink(const std::string &card)
     if (sink == nullptr)
       return;
     line = GST_OBJECT_NAME(gst_element_get_factory(sink.get()));
-    // By what the sinks of PulseAudio, ALSA and PipeWire name their device.
+    // The properties by which the sinks of PulseAudio, ALSA and PipeWire name their device.
     for (const char *property : { "device", "target-object" }) {
       const GParamSpec *spec
           = g_object_class_find_property(G_OBJECT_GET_CLASS(sink.get()), property);

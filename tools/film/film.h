@@ -24,8 +24,8 @@ struct Film
 /// The built-in film: the paper's static-motion film, then its dynamic-motion film.
 Film synthetic_film();
 
-/// Opens a film, given as a path or URI. Throws std::runtime_error, in one line with what is wrong
-/// and what to do: no such file, not readable, not decodable, no picture.
+/// Opens a film, given as a path or URI. Throws std::runtime_error, in one line with the fault and
+/// what to do: no such file, not readable, not decodable, no picture.
 Film discover_film(const std::string &path_or_uri);
 
 /// The beginning of a launch line, up to an element named `film` whose source pads have raw video

@@ -3,7 +3,7 @@
 
 namespace {
 
-/// Of the frame before, in the streaming thread.
+/// The frame before, in the streaming thread.
 struct Before
 {
   GstClockTime time = GST_CLOCK_TIME_NONE; ///< as it came

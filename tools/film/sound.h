@@ -8,13 +8,13 @@
 
 #include <string>
 
-/// The option `--sound`: its help, and what it says. nullptr for "off". Throws UsageError.
+/// The option `--sound`: its help and its profile, nullptr for "off". Throws UsageError.
 inline constexpr const char *kSoundHelp
     = "Profile of the sound: off (default), film, music, dialogue-heavy or bass-shaker";
 const fusion::Profile *sound_profile(const std::string &name);
 
-/// A film's sound in a launch line: a queue `heard`, audioconvert `sound`, and where it is felt,
-/// soundtactile, whose source pad the line goes on with.
+/// A film's sound in a launch line: a queue `heard`, audioconvert `sound` and, with a profile,
+/// soundtactile, whose source pad the line continues.
 std::string heard_sound(const std::string &queue, const fusion::Profile *profile);
 
 /// Where the picture's maps meet those of heard_sound(), as " ! ..."; empty without a profile.

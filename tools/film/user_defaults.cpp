@@ -2,18 +2,7 @@
 #include "user_defaults.h"
 
 #include <cstdio>
-#include <tuple>
 #include <utility>
-
-namespace {
-
-void
-replace(TextOption &option, const char *text)
-{
-  g_free(std::exchange(option.value, g_strdup(text)));
-}
-
-} // namespace
 
 UserDefaults::UserDefaults(const char *program) : program_(program)
 {
@@ -36,9 +25,9 @@ UserDefaults::fill(const char *key, TextOption &option)
   const std::string *value = find(key);
   if (value == nullptr)
     return;
-  replace(option, value->c_str());
-  filled_.push_back({ key, *value, [&option, value = *value] {
-                       return option.text() == value;
+  g_free(std::exchange(option.value, g_strdup(value->c_str())));
+  filled_.push_back({ key, *value, [&option, text = option.value] {
+                       return option.value == text; // GLib's parser puts another text there
                      } });
 }
 
@@ -67,42 +56,38 @@ UserDefaults::fill(const char *key, gboolean &option)
 }
 
 void
-UserDefaults::fill_grid(gint &rows, gint &columns)
-{
-  const std::string *value = find(chair::kGrid);
-  if (value == nullptr)
-    return;
-  const chair::Grid grid = chair::parse_grid(*value);
-  const std::pair filled{ static_cast<gint>(grid.rows), static_cast<gint>(grid.columns) };
-  const std::pair before{ std::exchange(rows, filled.first),
-                          std::exchange(columns, filled.second) };
-  filled_.push_back({ chair::kGrid, *value,
-                      [&rows, &columns, filled] { return std::pair(rows, columns) == filled; },
-                      [&rows, &columns, before] {
-                        std::tie(rows, columns) = before;
-                      } });
-}
-
-void
 UserDefaults::fill_of_driver(const char *key, TextOption &option)
 {
   const std::size_t before = filled_.size();
   fill(key, option);
   if (filled_.size() > before)
-    filled_.back().undo = [&option] {
-      g_clear_pointer(&option.value, g_free);
-    };
+    filled_.back().of_driver = &option;
 }
 
 void
 UserDefaults::keep_to_driver(const std::string &driver)
 {
   const std::string *usual = find("driver");
-  if (driver == (usual ? *usual : "auto"))
-    return;
+  has_own_driver_ = driver == (usual ? *usual : "auto");
   for (const Filled &filled : filled_)
-    if (filled.undo && filled.holds())
-      filled.undo();
+    if (!has_own_driver_ && filled.of_driver != nullptr && filled.holds())
+      g_clear_pointer(&filled.of_driver->value, g_free);
+}
+
+void
+UserDefaults::fill_grid(gint &rows, gint &columns, gint not_given)
+{
+  const std::string *value = find(chair::kGrid);
+  if (value == nullptr || !has_own_driver_ || (rows != not_given && columns != not_given))
+    return;
+  const chair::Grid grid = chair::parse_grid(*value);
+  if (rows == not_given)
+    rows = static_cast<gint>(grid.rows);
+  if (columns == not_given)
+    columns = static_cast<gint>(grid.columns);
+  filled_.push_back({ chair::kGrid, *value, [] {
+                       return true;
+                     } });
 }
 
 void

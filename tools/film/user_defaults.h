@@ -13,7 +13,7 @@
 class UserDefaults
 {
 public:
-  /// Of nobody: fills nothing.
+  /// Without settings: fills nothing.
   UserDefaults() = default;
   /// Reads the settings. Prints a line for each entry that cannot be read.
   explicit UserDefaults(const char *program);
@@ -24,12 +24,12 @@ public:
   void fill(const char *key, gboolean &option);
   /// `device`, `mapping` or `calibration`, which belong to the driver: see keep_to_driver().
   void fill_of_driver(const char *key, TextOption &option);
-  /// `grid`, which does, too.
-  void fill_grid(gint &rows, gint &columns);
 
   /// After the command line: undoes the settings that belong to the user's driver, if `driver` is
   /// another.
   void keep_to_driver(const std::string &driver);
+  /// After that: `grid`, which belongs to the driver, too, for sides that are `not_given`.
+  void fill_grid(gint &rows, gint &columns, gint not_given);
 
   /// After the command line: prints which settings apply, unless none does.
   void print() const;
@@ -39,8 +39,8 @@ private:
   {
     std::string key;
     std::string value;
-    std::function<bool()> holds;  ///< not overridden
-    std::function<void()> undo{}; ///< of what belongs to the driver
+    std::function<bool()> holds;     ///< not overridden
+    TextOption *of_driver = nullptr; ///< the option, if it belongs to the driver
   };
 
   const std::string *find(const char *key) const;
@@ -48,4 +48,5 @@ private:
   std::string program_;
   chair::Values values_;
   std::vector<Filled> filled_;
+  bool has_own_driver_ = true; ///< the user's
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is only read: the page's files, film, strip, draft, exports.
+// Requests that change nothing: the page's files, film, strip, draft, exports.
 #include "routes.h"
 
 #include "web/sent_file.h"

@@ -51,7 +51,7 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
   g_subprocess_launcher_set_child_setup(
       launcher,
       in_background ? +[](gpointer) {
-        // It gives way to what plays, and ends with the desk.
+        // It has a low priority, and ends with the desk.
         nice(15);
         prctl(PR_SET_PDEATHSIG, SIGTERM);
       } : +[](gpointer) { prctl(PR_SET_PDEATHSIG, SIGTERM); },
@@ -78,7 +78,7 @@ FilmDraft::FilmDraft(DraftSettings settings, std::function<void()> changed)
     return;
   g_mkdir_with_parents(fs::path(path).parent_path().c_str(), 0700);
   std::error_code ignored;
-  fs::remove(path, ignored); // one that cannot be read would be left as it is
+  fs::remove(path, ignored); // author would keep an unreadable one
   try {
     process_ = spawn(settings_, path, true);
   } catch (const std::runtime_error &) {
@@ -117,7 +117,7 @@ FilmDraft::read()
   if (track_)
     try { // as the user's alone, and bounded
       cache_.keep(*track_, settings_.film, film_, analysis);
-    } catch (const std::exception &) { // it is there until the desk ends
+    } catch (const std::exception &) { // the draft stays until the desk ends
     }
 }
 

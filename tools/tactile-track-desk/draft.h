@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-/// Which program authors, and on which grid.
+/// The program that authors, and the grid.
 struct DraftSettings
 {
   std::string author; ///< tactile-track
@@ -22,12 +22,12 @@ struct DraftSettings
   double rate = 5;
 };
 
-/// The automatic draft of a film, authored by tactile-track in the background and kept where
-/// visuotactile-follow keeps its drafts, too. Of the main context's thread.
+/// The automatic draft of a film, authored by tactile-track in the background and stored among the
+/// drafts of visuotactile-follow. Main context's thread.
 class FilmDraft
 {
 public:
-  /// `changed` is called when it is there or has failed.
+  /// `changed` is called when the draft is complete or has failed.
   FilmDraft(DraftSettings settings, std::function<void()> changed);
   ~FilmDraft();
   FilmDraft(const FilmDraft &) = delete;
@@ -48,7 +48,7 @@ private:
   const DraftSettings settings_;
   std::function<void()> changed_;
   const DraftCache cache_;
-  const std::optional<library::FileVersion> film_; ///< of which it is made
+  const std::optional<library::FileVersion> film_; ///< the film's file, as the draft has it
   std::optional<tactile::Track> track_;
   bool failed_ = false;
   GSubprocess *process_ = nullptr;

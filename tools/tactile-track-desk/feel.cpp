@@ -8,9 +8,9 @@
 
 namespace {
 
-/// Without a position for so long nothing is felt: docs/design/desk.md.
+/// Nothing is felt after so long without a position: docs/design/desk.md.
 constexpr follow::Time kPatience = std::chrono::seconds(1);
-constexpr guint kTick = 50; ///< ms; a chair takes cues 150 ms ahead of what its motors need
+constexpr guint kTick = 50; ///< ms; a chair takes cues 150 ms before its motors need them
 
 follow::Time
 local_time()
@@ -95,7 +95,7 @@ Feel::track_changed(const desk::Session::Span &span)
   if (tick_ == 0)
     return;
   const auto set = [this](std::int32_t begin, std::int32_t end, const tactile::TactileMap &map) {
-    // Cannot fail: it is a part of a track. What was handed on stays.
+    // Cannot fail: the map is from a track. Cues that were handed on stay.
     played_->set(std::chrono::milliseconds(begin), std::chrono::milliseconds(end), map);
   };
   set(span.start, span.end, tactile::TactileMap(played_->rows(), played_->columns()));
@@ -110,7 +110,7 @@ Feel::step()
 {
   const follow::Time now = local_time();
   auto step = follower_.step(estimator_.at(now), now, chair_.ahead());
-  if (!step.cues.empty()) // the film does not wait until what was felt is over
+  if (!step.cues.empty()) // the film ends a map that is still felt
     step.silence = std::exchange(has_felt_, false) || step.silence;
   chair_.take(step);
 }

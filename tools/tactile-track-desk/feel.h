@@ -11,16 +11,16 @@
 #include <memory>
 #include <string>
 
-/// The chair plays along with the film of a page, or feels one map while that stands. Of the main
+/// Plays the track on the chair along with the film of a page, or one map in a pause. Main
 /// context's thread.
 class Feel
 {
 public:
-  /// How the chair is, for pages.
+  /// The state of the chair, for pages.
   struct State
   {
     std::string state = "closed"; ///< or "open", "failed"
-    std::string text;             ///< which board, or what is wrong
+    std::string text;             ///< name of the board, or its fault
   };
 
   /// `sink` is tactorsink with its properties, as on a launch line.
@@ -37,11 +37,11 @@ public:
   /// The track was edited here; its grid stays.
   void track_changed(const desk::Session::Span &span);
   void position(const desk::PositionMessage &message);
-  /// The map for a time, unless the film plays.
+  /// Plays the map for a time, unless the film plays.
   void feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page);
-  /// Motors to zero if the page is the one that plays.
+  /// Motors to zero if the chair plays for this page.
   void left(const std::string &page);
-  /// Motors to zero, until nobody rests any more: the screen is locked, or the computer sleeps.
+  /// Motors to zero while the screen is locked or the computer sleeps.
   void rest(bool rests, const std::string &why);
 
 private:
@@ -55,13 +55,13 @@ private:
   std::function<void()> changed_;
   State state_;
   const desk::Session &session_;
-  std::shared_ptr<tactile::Draft> played_; ///< what the follower reads
-  std::string page_;                       ///< for which the chair plays
+  std::shared_ptr<tactile::Draft> played_; ///< the track of the follower
+  std::string page_;                       ///< the page for which the chair plays
   follow::PositionEstimator estimator_;
   follow::TrackFollower follower_;
   Chair chair_;
   bool was_paused_ = true;
   bool rests_ = false;
-  bool has_felt_ = false; ///< one map, which may still be felt
+  bool has_felt_ = false; ///< one map, whose vibration may not be over
   guint tick_ = 0;
 };

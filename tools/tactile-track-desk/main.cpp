@@ -10,6 +10,7 @@
 
 #include "film/known_driver.h"
 #include "film/or_throw.h"
+#include "library/library.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt.h"
 
@@ -54,6 +55,29 @@ track_beside(const std::string &film)
   return free;
 }
 
+/// Copies the track of a film from the library of --tracks. False if it has none.
+bool
+copy_stored(const DeskOptions &options, const Film &film, const std::string &track)
+{
+  library::Library::Complaints complaints;
+  const auto duration = GST_CLOCK_TIME_IS_VALID(film.duration)
+                            ? std::optional(tactile::Time(static_cast<gint64>(film.duration)))
+                            : std::nullopt;
+  const auto found = library::Library(options.tracks.text())
+                         .stored(fs::absolute(options.film).lexically_normal().string(), duration,
+                                 {}, complaints);
+  const std::string why = found ? found->fault : complaints.library;
+  if (!why.empty())
+    print_error(kProgram, why);
+  if (!found || !found->fault.empty())
+    return false;
+  if (const auto done = files::replace_file(track, tactile::write_webvtt(found->track)); !done)
+    throw std::runtime_error(done.error());
+  if (!options.common.quiet)
+    std::fprintf(stderr, "'%s' is a copy of '%s'\n", track.c_str(), found->path.c_str());
+  return true;
+}
+
 struct Unref
 {
   void operator()(gpointer object) const
@@ -78,7 +102,7 @@ run(const DeskOptions &options)
   DraftSettings draft{ .author = author ? author : "tactile-track", .film = options.film };
 
   const std::string track = options.track.empty() ? track_beside(options.film) : options.track;
-  if (!fs::exists(track, error)) {
+  if (!fs::exists(track, error) && !copy_stored(options, film, track)) {
     if (!options.common.quiet)
       std::fprintf(stderr, "There is no '%s' yet: a draft is authored\n", track.c_str());
     author_now(draft, track);

@@ -14,6 +14,10 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
       "Port of 127.0.0.1, 0 to 65535; 0 (default): the track's usual one, or any", "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &options.no_browser,
       "Open no browser: only print the address", nullptr },
+    { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
+      "Folder of tracks, or its address on a web server: where there is no track beside FILM, its "
+      "track is copied from there",
+      "DIR" },
     {},
   };
   options.chair.fill(defaults);
@@ -22,9 +26,9 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
       argc, argv, entries, options.common,
       { .arguments = "FILM [TRACK]",
         .summary = "Edits a track beside its film, in your browser. TRACK is WebVTT; without it, "
-                   "the one\nbeside the film. If there is none, a draft is authored first. Each "
-                   "edit is kept on the\ndisk at once; TRACK is written when you save. Ctrl-C ends "
-                   "the desk, with all motors\nat zero.",
+                   "the one\nbeside the film. If there is none, it is that of --tracks, or a draft "
+                   "that is authored\nfirst. Each edit is kept on the disk at once; TRACK is "
+                   "written when you save. Ctrl-C ends\nthe desk, with all motors at zero.",
         .least = 1,
         .most = 2,
         .force_help = Usage::kOverwritesAnyway,

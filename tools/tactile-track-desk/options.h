@@ -5,13 +5,14 @@
 
 #include <string>
 
-/// The command line of `tactile-track desk`, which tactile-track reads for its help and errors, and
-/// tactile-track-desk for what to do.
+/// The command line of `tactile-track desk`. tactile-track reads it for help and errors,
+/// tactile-track-desk to run.
 struct DeskOptions
 {
   gboolean review = FALSE;
   gint port = 0; ///< 0: any
   gboolean no_browser = FALSE;
+  TextOption tracks{}; ///< a library; empty: none
   ChairOptions chair;
   CommonOptions common;
   std::string film;

@@ -39,7 +39,7 @@ launch_line(const Film &film)
 
 } // namespace
 
-/// One answer that is made and sent.
+/// An answer while it is converted and sent.
 class Proxies::Stream
 {
 public:
@@ -167,7 +167,7 @@ private:
     }
   }
 
-  /// The client sees that it was no complete answer.
+  /// Cuts the connection, so that the client sees an incomplete answer.
   void cut()
   {
     g_socket_shutdown(soup_server_message_get_socket(message_), TRUE, TRUE, nullptr);
@@ -205,7 +205,7 @@ private:
         this);
   }
 
-  /// Sends what is there; the next is sent when that is.
+  /// Sends the data that is ready, and more after it was sent.
   void send()
   {
     is_sending_ = false;

@@ -9,8 +9,8 @@
 #include <list>
 #include <memory>
 
-/// The film as WebM for browsers that cannot play it: made while it is sent, as fast as it is
-/// taken. Of the main context's thread.
+/// Converts the film to WebM for browsers that cannot play it, while it is sent and as fast as the
+/// client reads. Main context's thread.
 class Proxies
 {
 public:
@@ -21,7 +21,7 @@ public:
   Proxies(const Proxies &) = delete;
   Proxies &operator=(const Proxies &) = delete;
 
-  /// Answers with the film from a time on. One too many ends the oldest.
+  /// Answers with the film from a time on. Too many answers end the oldest.
   void answer(SoupServerMessage *message, GstClockTime from);
 
 private:

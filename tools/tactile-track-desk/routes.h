@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-/// What the desk is about.
+/// The film of the desk, its page and chair.
 struct DeskSettings
 {
   std::string film; ///< path
@@ -27,8 +27,8 @@ struct DeskSettings
   bool review = false;
 };
 
-/// What the paths of docs/design/desk.md answer. Requests have been admitted. Of the main context's
-/// thread.
+/// Answers requests for the paths in docs/design/desk.md; the requests have been admitted. Main
+/// context's thread.
 class Routes : public Site
 {
 public:

@@ -181,7 +181,7 @@ Strip::on_frame(GstSample *sample)
   if (pictures_.size() < kMostPictures && time >= static_cast<gint64>(pictures_.size()) * interval_)
     picture = jpeg_of(sample);
   const std::lock_guard lock(mutex_);
-  // A film that leaps, as one cut from another does, has the same picture for a while.
+  // A jump in the film's time repeats the picture.
   while (!picture.empty() && pictures_.size() < kMostPictures
          && time >= static_cast<gint64>(pictures_.size()) * interval_)
     pictures_.push_back(picture);

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-/// What a time line shows of a film: small pictures, peaks of its sound, shot cuts. The film is
-/// gone through once, in the background, while this grows. Any thread.
+/// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
+/// during one pass over the film, in the background. Any thread.
 class Strip
 {
 public:
@@ -38,9 +38,9 @@ public:
   {
     return interval_;
   }
-  std::size_t count() const; ///< of pictures that are there
-  std::size_t total() const; ///< that there will be, if the film says how long it is
-  std::string picture(std::size_t index) const; ///< JPEG; empty: not there
+  std::size_t count() const; ///< pictures so far
+  std::size_t total() const; ///< pictures in the end, if the film's length is known
+  std::string picture(std::size_t index) const; ///< JPEG; empty: none yet
   std::string peaks(std::size_t from) const;    ///< a byte each
   struct Cuts
   {

@@ -92,12 +92,12 @@ public:
     return output_;
   }
 
-  /// What is there under the track's name.
+  /// The file with the track's name.
   enum class There
   {
-    nothing,  ///< or a draft that nobody has edited, of another film, version or settings
+    nothing,  ///< no file, or an unedited draft of another film, version or settings
     same,     ///< made with these settings, newer than its film
-    precious, ///< edited, or it may be: what it was made with is not in it
+    precious, ///< edited, or without a record of its settings
   };
   There there() const
   {
@@ -270,7 +270,7 @@ private:
   std::atomic<std::size_t> frames_{ 0 };
   std::size_t seen_ = 0; ///< frames at the last look_for_stall()
   guint stall_ = 0;
-  // Of the streaming thread, which has ended when others read them.
+  // Used by the streaming thread, and by others after it has ended.
   std::optional<Time> first_;
   bool advances_ = false;
   guint watch_ = 0;

@@ -19,6 +19,7 @@ int plot(int argc, char **argv);
 int preview(int argc, char **argv);
 int mux(int argc, char **argv);
 int extract(int argc, char **argv);
+int stream_hls(int argc, char **argv);
 int find(int argc, char **argv);
 int make_index(int argc, char **argv);
 int learn(int argc, char **argv);

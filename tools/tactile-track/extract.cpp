@@ -19,7 +19,7 @@ rounded(tactile::Time time)
   return (time + kTick / 2) / kTick * kTick;
 }
 
-/// Cues come one after the other; what is between them is silent.
+/// Cues come one after the other, with silence between them.
 class Extracted
 {
 public:

@@ -102,7 +102,7 @@ bytes_of(const Packets &packets)
   return sum;
 }
 
-/// What is wrong with a copy of a stream's packets; empty: nothing.
+/// The fault of a copy of a stream's packets; empty: none.
 std::string
 fault(const FilmStream &film, const FilmStream &copy, double shift)
 {

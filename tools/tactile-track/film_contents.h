@@ -42,7 +42,7 @@ struct Chapter
   std::string title;
 };
 
-/// What is in a film's file.
+/// The contents of a film's file.
 struct FilmContents
 {
   std::string container; ///< as FFmpeg calls it, such as "matroska,webm"
@@ -72,8 +72,8 @@ FilmContents read_contents(const std::string &path, const std::function<void(dou
 struct Differences
 {
   double shift = 0;                  ///< of the copy's times, in seconds
-  std::vector<std::string> broken{}; ///< what makes it no copy: packets or times of a stream
-  std::vector<std::string> lost{};   ///< what is missing
+  std::vector<std::string> broken{}; ///< differences of packets or times of a stream: it is no copy
+  std::vector<std::string> lost{};   ///< missing parts
   std::vector<int> left_out{};       ///< streams of the film, by their index
 };
 

@@ -37,11 +37,12 @@ using OnProgress = std::function<void(double)>;
 // Each writes a file, by what the world uses for it. `at` is the time in the file, in seconds, at
 // which the track begins. They throw std::runtime_error if that fails, and Stopped.
 
-/// By mkvmerge, which keeps whatever Matroska can hold, and gives pictures without times theirs.
+/// Copies by mkvmerge, which preserves all that Matroska can hold, and adds missing times to
+/// pictures.
 void copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
                       const OnProgress &on_progress);
 
-/// By ffmpeg. Streams that the container cannot hold, which the error names otherwise, are
+/// Copies by ffmpeg. Streams that the container cannot hold, which the error names otherwise, are
 /// `left_out`. A transport stream gets no track.
 void copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<int> &left_out,
                     double at, const std::string &to, const OnProgress &on_progress);

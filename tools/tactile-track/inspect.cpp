@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// info, validate, diff: what is in tracks.
+// info, validate, diff: the contents of tracks.
 #include "commands.h"
 
 #include "tracks/formats/track_file.h"

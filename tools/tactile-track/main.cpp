@@ -29,6 +29,7 @@ constexpr std::array kCommands = {
   Command{ "preview", preview, "play or record a film with a track" },
   Command{ "mux", mux, "copy a film's file with a track in it" },
   Command{ "extract", extract, "take a track out of a film's file" },
+  Command{ "hls", stream_hls, "add a track to a film that is streamed by HLS" },
 #ifdef HAVE_LIBRARY
   Command{ "find", find, "find the track of a film in a library" },
   Command{ "index", make_index, "list the tracks of a folder for find" },

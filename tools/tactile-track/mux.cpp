@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 /// Status of a copy that lacks something of the film.
 constexpr int kIncomplete = 3;
 
-/// By as much the track may be off: Matroska's milliseconds.
+/// Tolerance of the track's times: Matroska's milliseconds.
 constexpr double kTolerance = 0.002;
 
 Container
@@ -66,7 +66,7 @@ public:
   {
   }
 
-  /// What is lost. Throws std::runtime_error if there is no copy, and Stopped.
+  /// Returns the losses. Throws std::runtime_error if there is no copy, and Stopped.
   std::vector<std::string> operator()()
   {
     const FilmContents &film = what_.film;

@@ -3,6 +3,7 @@
 // convert, edit: a track in, a track out.
 #include "commands.h"
 
+#include "tracks/formats/funscript.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
@@ -56,12 +57,17 @@ read_file(const std::string &path, const std::string &clip = "")
            .ignored = std::move(ignored) };
 }
 
-/// Writes what became of a track. From WebVTT to WebVTT, what was not changed stays as it is.
+/// Writes a changed track. From WebVTT to WebVTT, unchanged parts stay as they are; from funscript
+/// to funscript, other axes and the additions of other tools.
 void
 write_file(const TrackFile &file, const Track &track, Time offset, const std::string &path)
 {
   constexpr auto kText = tactile::TrackFormat::webvtt;
-  if (file.format != kText || or_throw(tactile::written_format(path)) != kText)
+  constexpr auto kScript = tactile::TrackFormat::funscript;
+  const tactile::TrackFormat format = or_throw(tactile::written_format(path));
+  if (format == kScript && file.format == kScript)
+    return write_bytes(or_throw(tactile::funscript_with(file.text, track)), path);
+  if (format != kText || file.format != kText)
     return write_track_file(track, path);
   const tactile::Grid grid{ file.track.rows(), file.track.columns() };
   write_bytes(tactile::WebvttText(file.text, grid).with(track, offset), path);
@@ -75,12 +81,17 @@ losses(const Track &track, const std::string &path)
   if (!read) // a format that is not read
     return {};
   const Track &written = *read;
+  const bool has_lost_frequencies = has_frequency(track) && !has_frequency(written);
   std::vector<std::string> lost;
   if (written.rows() != track.rows() || written.columns() != track.columns())
     lost.push_back("the place of each vibration: it has the strongest cell of "
                    + std::to_string(track.rows() * track.columns()));
-  else if (written.entries().size() != track.entries().size())
-    lost.emplace_back("changes within a millisecond");
+  else if (const auto differs = diff(written, has_lost_frequencies ? tune(track, 0) : track);
+           differs && !differs->empty())
+    lost.emplace_back(
+        "times finer than 1 ms, levels finer than 1 % or frequencies finer than 1 Hz");
+  if (has_lost_frequencies)
+    lost.emplace_back("the frequencies");
   if (track.rate() != 0 && written.rate() == 0)
     lost.emplace_back("the rate");
   return lost;
@@ -190,6 +201,14 @@ parse_operation(const std::string &name, const std::string &value)
       return silence(track, begin, end);
     };
   }
+  if (name == "--frequency") {
+    const auto frequency = static_cast<float>(parse_number(value, option, 0, 1000));
+    if (frequency > 0 && frequency < 1)
+      throw UsageError("--frequency: expected 1 to 1000 Hz, or 0, got '" + value + "'");
+    return [=](const Track &track) {
+      return tune(track, frequency);
+    };
+  }
   if (name == "--mask")
     return parse_mask(value);
   if (name == "--quantize") {
@@ -284,6 +303,8 @@ edit(int argc, char **argv)
       "Limit how long a cell's events last, and let it rest afterwards", "LONGEST,REST" },
     { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Delay, or advance if negative", "SECONDS" },
     { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Multiply levels by a factor", "FACTOR" },
+    { "frequency", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Set the frequency for shakers and other wide-band actuators; 0: none", "HZ" },
     { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep only a part, which then begins at 0",
       "FROM-TO" },
     { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence a part", "FROM-TO" },

@@ -155,8 +155,8 @@ wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
   is_simulated(tactors, told);
 }
 
-/// What is not common to both sinks. Limits for motors and skin hold; all that would change or
-/// delay other commands is off.
+/// Sets the properties of tactorsink that tactoraudiosink does not share. Limits for motors and
+/// skin hold; properties that would change or delay other commands are off.
 void
 set_tactorsink(GstElement *tactors, const PlayerSettings &settings, std::size_t count)
 {
@@ -185,7 +185,7 @@ set_tactoraudiosink(GstElement *tactors, const PlayerSettings &settings, std::si
     g_object_set(tactors, "rise-time", guint64{ 0 }, nullptr);
 }
 
-/// What is added to running time before a sink shows something.
+/// The latency that a sink adds to running time.
 Time
 latency_of(GstElement *sink)
 {

@@ -11,7 +11,7 @@
 
 namespace {
 
-/// By which the main loop may be late.
+/// Longest delay of the main loop.
 constexpr follow::Time kSlack = std::chrono::milliseconds(150);
 
 std::string
@@ -90,7 +90,7 @@ Chair::ahead() const
                   : follow::Time(0));
 }
 
-/// Cues are there ahead of time, so that nothing has to be felt later for the pipeline's latency.
+/// Cancels the latency of the pipeline, since cues are known ahead of time.
 void
 Chair::undo_latency()
 {
@@ -100,7 +100,7 @@ Chair::undo_latency()
     g_object_set(sink, "ts-offset", offset, nullptr);
 }
 
-/// Running time goes on through all seeks.
+/// Running time continues through all seeks.
 void
 Chair::take(const follow::TrackFollower::Step &step)
 {

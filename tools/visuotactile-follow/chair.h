@@ -7,14 +7,14 @@
 #include <functional>
 #include <string>
 
-/// tactorsink as a chair whose film is elsewhere: a live pipeline that takes cues in local time. Of
-/// the main context's thread.
+/// tactorsink for a film in another program: a live pipeline that takes cues in local time. Main
+/// context's thread.
 class Chair
 {
 public:
   struct Events
   {
-    std::function<void(const std::string &)> told;   ///< which board, and warnings
+    std::function<void(const std::string &)> told;   ///< name of the board; warnings
     std::function<void(const std::string &)> failed; ///< nothing is felt any more
   };
 
@@ -26,7 +26,7 @@ public:
 
   /// Opens the board for maps of this grid, unless it is open. Throws std::runtime_error.
   void open(int rows, int columns);
-  /// Motors to zero, and gives the board back.
+  /// Motors to zero, board released.
   void close();
 
   bool is_open() const
@@ -34,7 +34,7 @@ public:
     return pipeline_ != nullptr;
   }
 
-  /// How far ahead cues have to be there.
+  /// How far ahead of their time cues must be pushed.
   follow::Time ahead() const;
   void take(const follow::TrackFollower::Step &step);
 

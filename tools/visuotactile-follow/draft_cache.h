@@ -10,12 +10,12 @@
 #include <optional>
 #include <string>
 
-/// Whole drafts of films, for the next time that these are watched. A film is known by its file's
-/// size and parts of its content, wherever it lies and whatever its name.
+/// Stores complete drafts. A film is identified by the size of its file and parts of the content,
+/// not by path or name.
 class DraftCache
 {
 public:
-  /// The least used drafts go beyond this.
+  /// Beyond this, the least used drafts are deleted.
   static constexpr std::uintmax_t kMostBytes = std::uintmax_t{ 256 } << 20;
 
   /// $XDG_CACHE_HOME/visuotactile/drafts
@@ -27,13 +27,13 @@ public:
   std::optional<tactile::Track> find(const std::string &film,
                                      const AnalysisSettings &settings) const;
 
-  /// Throws std::runtime_error with the path, also if the film's file is not that any more of which
-  /// the draft was made.
+  /// Throws std::runtime_error with the path, also if the film's file has changed since the draft
+  /// was made.
   void keep(const tactile::Track &draft, const std::string &film,
             const std::optional<library::FileVersion> &made_of,
             const AnalysisSettings &settings) const;
 
-  /// Where that is, or would be; empty: the film cannot be read.
+  /// Path of the draft, which may not exist; empty: the film cannot be read.
   std::string path(const std::string &film, const AnalysisSettings &settings) const;
 
 private:

@@ -14,9 +14,9 @@
 #include <string>
 #include <thread>
 
-/// Listens which film of the catalogue plays, and reports it like a player. Sound is neither kept
-/// nor sent anywhere. Of the thread of the main context in which it was made; a thread of its own
-/// listens.
+/// Reports, like a player, the film of the catalogue whose sound it detects. Sound is neither
+/// stored nor sent. Thread of the main context in which it was made; a thread of its own analyzes
+/// sound.
 class FilmListener : public follow::Player
 {
 public:
@@ -56,7 +56,7 @@ public:
   static std::string source_name(const std::string &source);
 
 private:
-  /// Of the listening thread, for the main context's.
+  /// News from the listening thread for the main context's.
   struct News
   {
     std::optional<listen::Heard> heard{};

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-/// Looks into a film's file without waiting for it. Of the main context's thread.
+/// Probes a film's file without waiting for it. Main context's thread.
 class FilmProbe
 {
 public:
@@ -30,7 +30,7 @@ public:
   FilmProbe(const FilmProbe &) = delete;
   FilmProbe &operator=(const FilmProbe &) = delete;
 
-  /// None while it looks, ten seconds at most.
+  /// None during the probe, which takes ten seconds at most.
   const std::optional<Result> &result() const
   {
     return result_;

@@ -13,7 +13,7 @@ using follow::Time;
 
 namespace {
 
-/// Of all threads.
+/// The CPU time of all threads.
 Time
 cpu_time()
 {
@@ -22,7 +22,7 @@ cpu_time()
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-constexpr Time kLookEvery = std::chrono::seconds(1); ///< whether a faulty track has changed
+constexpr Time kLookEvery = std::chrono::seconds(1); ///< at a faulty track's file
 
 std::string
 uri_of(const std::string &path)
@@ -75,7 +75,7 @@ void
 FilmTrack::probe()
 {
   std::error_code error;
-  if (!fs::is_regular_file(path_, error)) // opening others may wait for ever
+  if (!fs::is_regular_file(path_, error)) // opening another kind of file may block
     return;
   try {
     probe_ = std::make_unique<FilmProbe>(uri_of(path_));
@@ -160,7 +160,7 @@ FilmTrack::stop_at(const library::FoundTrack &faulty)
                + fault_ + "; mend it, or pass it over with visuotactile-follow --pass-over");
 }
 
-/// Since the faulty file was read.
+/// Whether the file has changed since the faulty track was read.
 bool
 FilmTrack::has_changed(const std::string &path) const
 {
@@ -245,13 +245,13 @@ FilmTrack::read(std::unique_ptr<follow::MapSource> source, const std::string &wh
   choose(what);
 }
 
-/// Without a track, or with no more of it. What is known stays.
+/// Ends reading: there is no track, or no more of it. The known part stays.
 void
-FilmTrack::fail(std::string why) // it may be the reader's
+FilmTrack::fail(std::string why) // by value: it may be the reader's
 {
   const bool has_some = reader_ && reader_->draft() != nullptr;
   reader_.reset();
-  if (reads_file_ && !has_some) { // it promised one
+  if (reads_file_ && !has_some) { // the probe has found one
     reads_file_ = false;
     complaint_ = std::move(why);
     look_in_library();

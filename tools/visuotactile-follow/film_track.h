@@ -14,11 +14,10 @@
 #include <optional>
 #include <string>
 
-/// Where a film's track comes from. Of these the first that there is: a file beside the film, the
-/// film's own file, the user's library of tracks, a draft of an earlier time, a draft that is made
-/// ahead of the position while the film plays. A faulty track ends the search, and nothing is felt:
-/// until its file changes or is passed over. Of the main context's thread, which it does not hold
-/// up.
+/// Finds the track of a film: the first that exists of a file beside the film, the film's own file,
+/// the user's library, an earlier draft, and a draft that is made ahead of the position while the
+/// film plays. A faulty track ends the search, and nothing is felt until its file changes or is
+/// skipped. Main context's thread, which it does not block.
 class FilmTrack
 {
 public:
@@ -31,32 +30,32 @@ public:
   };
   struct Events
   {
-    /// Calls for what is felt from now on; it may become known meanwhile.
+    /// Called with the track that is felt from now on; parts of it may become known later.
     std::function<void(std::shared_ptr<const tactile::Draft>)> found;
     std::function<void()> chosen;                  ///< what() is decided
     std::function<void()> probed;                  ///< told_at_start() is known
-    std::function<void(const std::string &)> told; ///< for the user
+    std::function<void(const std::string &)> told; ///< message for the user
   };
 
   FilmTrack(Settings settings, Events events);
 
-  /// `film` is what a player says; empty: none. `known`: its track, if the player has it. What was
-  /// found of the film before is no more.
+  /// Drops the track, and searches for that of `film`, the name that a player reports; empty: none.
+  /// `known`: the track, if the player has it.
   void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr);
 
-  /// Passes the film's faulty track over, as it is now, and looks on. Throws std::runtime_error if
-  /// there is none.
+  /// Skips the film's faulty track until its file changes, and continues the search. Throws
+  /// std::runtime_error if there is none.
   void pass_over();
 
-  /// Looks and reads on. `position`: where the film is.
+  /// Continues searching and reading. `position`: of the film.
   void step(follow::Time position, follow::Time now);
 
-  /// Something may be found still, or become known.
+  /// Whether a track may still be found, or more of it become known.
   bool is_looking() const
   {
     return probe_ != nullptr || search_ != nullptr || reader_ != nullptr;
   }
-  /// What is felt, such as "a draft"; empty: nothing.
+  /// The source of the track, such as "a draft"; empty: none.
   const std::string &what() const
   {
     return what_;
@@ -66,12 +65,12 @@ public:
   {
     return file_.start.told;
   }
-  /// Why nothing is felt although there is a track; empty: no such thing.
+  /// The fault of a track that is therefore not felt; empty: none.
   const std::string &fault() const
   {
     return fault_;
   }
-  /// Up to where the film is known from a position on; none: all.
+  /// End of the known part from a position on; none: all is known.
   std::optional<follow::Time> known_until(follow::Time position) const;
 
 private:
@@ -92,7 +91,7 @@ private:
   const Events events_;
   const library::Library library_;
   const DraftCache cache_;
-  std::optional<library::FileVersion> made_of_; ///< the draft
+  std::optional<library::FileVersion> made_of_; ///< the file of the draft's film
   std::string film_;
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;
@@ -101,11 +100,11 @@ private:
   std::string faulty_;                                                  ///< the file
   std::map<std::string, std::optional<library::FileVersion>> versions_; ///< of faulty tracks
   library::Library::Skipped passed_over_;
-  follow::Time looked_at_{ 0 }; ///< when the faulty file was
+  follow::Time looked_at_{ 0 }; ///< time of the last look at the faulty file
   std::unique_ptr<FilmProbe> probe_;
   std::unique_ptr<LibrarySearch> search_;
   AnalysisSettings analysis_; ///< of this film
-  FilmProbe::Result file_;    ///< what is in it
+  FilmProbe::Result file_;    ///< contents of the film's file
   std::unique_ptr<follow::AheadReader> reader_;
   bool is_beside_ = false;  ///< the track is a file beside the film
   bool reads_file_ = false; ///< reader_ reads the track in the film's file

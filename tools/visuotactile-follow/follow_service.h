@@ -6,19 +6,19 @@
 #include <functional>
 #include <string>
 
-/// What a follower does.
+/// The state of a follower.
 struct FollowStatus
 {
   std::string player{};       ///< empty: none
   std::string state = "idle"; ///< idle, stopped, paused, waits, plays, lost or rests
   std::string film{};
-  std::string track{};   ///< what is felt; empty: nothing
-  std::string fault{};   ///< why nothing is felt of a film that has a track; empty: no such thing
+  std::string track{};   ///< its source; empty: none
+  std::string fault{};   ///< of a track that is therefore not felt; empty: none
   double position = -1;  ///< s; < 0: unknown
-  double ahead = -1;     ///< s of the track that are known from there on; < 0: all
+  double ahead = -1;     ///< s of the track known from the position on; < 0: all
   std::string sync_to{}; ///< screen or sound
   double latency = 0;    ///< ms: of the screen, or of the sound
-  double offset = 0;     ///< ms that all is felt later than that
+  double offset = 0;     ///< ms of delay on top of it
 };
 
 /// A running follower on the session bus: org.visuotactile.Follow1 at /org/visuotactile/Follow1. Of
@@ -54,9 +54,9 @@ private:
   guint name_ = 0;
 };
 
-/// Of the follower that runs. Throws std::runtime_error if none does.
+/// The state of the running follower. Throws std::runtime_error if there is none.
 FollowStatus ask_status();
-/// Moves what is felt, and returns the player's offset, in ms. Throws std::runtime_error.
+/// Moves the vibration, and returns the player's offset, in ms. Throws std::runtime_error.
 double send_nudge(double by);
-/// Passes a faulty track over. Throws std::runtime_error.
+/// Skips a faulty track. Throws std::runtime_error.
 void send_pass_over();

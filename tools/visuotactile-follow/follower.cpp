@@ -194,7 +194,7 @@ Follower::look_for_players()
   look_for_sound();
 }
 
-/// Not while nobody is in the chair.
+/// Does nothing while nobody is in the chair.
 void
 Follower::look_for_sound()
 {
@@ -271,7 +271,8 @@ Follower::reported(const std::string &key, const Report &report)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.estimator.report(report);
-  // Not the next film of a list, nor a player of music behind the locked screen.
+  // Only a paused film that continues ends a lock: not the next film of a list, nor a music player
+  // behind the locked screen.
   Followed &player = found->second;
   const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
   const bool begins = !player.has_played && report.doing == Doing::playing;
@@ -286,7 +287,7 @@ Follower::reported(const std::string &key, const Report &report)
     open_chair();
 }
 
-/// Its own function calls this, so that it is removed by the next tick.
+/// A function of the player calls this; therefore the next tick removes the player.
 void
 Follower::gone(const std::string &key, const std::string &why)
 {
@@ -295,13 +296,13 @@ Follower::gone(const std::string &key, const std::string &why)
     return;
   found->second.is_gone = true;
   if (key == kSound)
-    listens_ = false; // what it missed does not come back by itself
+    listens_ = false; // a missing microphone does not come back by itself
   tell(found->second.player->name() + " is gone: " + why);
   update();
 }
 
-/// A player that plays comes first, of these one that reports its position, then what is heard. A
-/// paused film is prepared, so that it is felt from its first moment on.
+/// Prefers a player that plays, of these one that reports its position, then the listener. A paused
+/// film is prepared, so that it is felt from its first moment on.
 void
 Follower::choose()
 {
@@ -369,7 +370,7 @@ Follower::chair_failed(const std::string &text)
     tell("the chair is not there yet: " + text);
 }
 
-/// Nobody is in the chair, or somebody is again.
+/// Silences the chair while nobody is in it.
 void
 Follower::rest(bool rests, const std::string &why)
 {

@@ -25,23 +25,23 @@ const char *word(follow::Doing doing);
 struct FollowSettings
 {
   std::string mpv_socket;                          ///< empty: none
-  bool insists_on_mpv = false;                     ///< say so when nobody is there
+  bool insists_on_mpv = false;                     ///< prints a message while mpv is missing
   std::string kodi;                                ///< HOST[:PORT]; empty: none
-  bool insists_on_kodi = false;                    ///< likewise
+  bool insists_on_kodi = false;                    ///< prints a message while Kodi is missing
   std::optional<FilmListener::Settings> listens{}; ///< none: it does not
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
   std::string sink;                       ///< as on a launch line
   std::optional<SyncTo> sync_to{};        ///< none: as is set for each kind of player
-  std::optional<double> screen_latency{}; ///< ms, of all players; none: likewise
-  std::optional<double> sound_latency{};  ///< likewise, or as it was measured
+  std::optional<double> screen_latency{}; ///< ms, of all players; none: as set for each kind
+  std::optional<double> sound_latency{};  ///< ms; none: as set or measured for each kind
   bool once = false;                      ///< ends when a player is gone
   bool quiet = false;
 };
 
-/// Follows one of the players that are there: the one that plays, and when several do, the one
-/// that was followed before. All on the main context's thread.
+/// Follows the player that plays; of several, the one that it followed before. Main context's
+/// thread.
 class Follower
 {
 public:
@@ -63,10 +63,10 @@ private:
     std::unique_ptr<follow::Player> player;
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
-    bool was_paused = false; ///< and has not gone on yet
-    bool has_played = false; ///< since it is there
+    bool was_paused = false; ///< paused, and has not continued yet
+    bool has_played = false; ///< since it appeared
     bool is_gone = false;
-    std::string told{}; ///< its fault or remark, as the user knows it
+    std::string told{}; ///< its fault or remark, as printed last
   };
 
   void look_around();
@@ -110,8 +110,8 @@ private:
   PlayerTiming timing_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
-  std::string film_;           ///< whose track is played, or looked for
-  follow::Time position_{ 0 }; ///< of the film, as it was known last
+  std::string film_;           ///< whose track is played or searched for
+  follow::Time position_{ 0 }; ///< last known one of the film
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt
   Chair chair_;

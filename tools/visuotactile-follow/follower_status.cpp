@@ -57,7 +57,7 @@ Follower::sync_to() const
       timing_.sync_to(player_kind(current_->player->name())).value_or(SyncTo::screen));
 }
 
-/// How much later than the followed player shows a picture it is seen, or its sound heard, in ms.
+/// Delay in ms from the picture of the followed player until it is seen, or its sound heard.
 double
 Follower::latency() const
 {
@@ -113,7 +113,7 @@ Follower::no_position() const
   return "no usable position: " + current_->player->fault();
 }
 
-/// What is wrong with the player, or peculiar, once.
+/// Prints a fault or peculiarity of the player, once.
 void
 Follower::tell_of_player()
 {

@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
-/// Looks for a film's track in the user's library: in a folder at once, on a server without waiting
-/// for it. Of the main context's thread.
+/// Searches the user's library for a film's track: a folder at once, a server in the background.
+/// Main context's thread.
 class LibrarySearch
 {
 public:
@@ -20,15 +20,15 @@ public:
     library::Library::Complaints complaints{};
   };
 
-  /// `library` must stay.
+  /// `library` must outlive this.
   LibrarySearch(const library::Library &library, std::string film,
                 std::optional<tactile::Time> duration, library::Library::Skipped skipped);
-  /// Ends a request.
+  /// Cancels a request.
   ~LibrarySearch();
   LibrarySearch(const LibrarySearch &) = delete;
   LibrarySearch &operator=(const LibrarySearch &) = delete;
 
-  /// Null while it looks.
+  /// Null during the search.
   const Result *result() const
   {
     return is_done_ ? &result_ : nullptr;

@@ -152,7 +152,7 @@ read_command_line(int argc, char **argv, Options &options)
     defaults.print();
 }
 
-/// The socket in the user's own folder, where nobody else can put one.
+/// The socket in the user's own folder, where no other user can put one.
 std::string
 usual_socket()
 {
@@ -160,7 +160,7 @@ usual_socket()
   return path;
 }
 
-/// Kodi on this computer, if the user has it. Nobody else is disturbed.
+/// Kodi on this computer, if the user has it; otherwise nothing is opened.
 std::string
 usual_kodi()
 {

@@ -20,10 +20,10 @@ using follow::Time;
 
 namespace {
 
-/// Frames or cues that wait to be taken: the rest of the pipeline waits with them.
+/// Frames or cues in the queue; when it is full, the pipeline waits.
 constexpr guint kMostWaiting = 16;
 
-/// Lasts a cue that does not say so, as in tactileconverter.
+/// Duration of a cue without one, as in tactileconverter.
 constexpr Time kDefaultDuration = std::chrono::seconds(1);
 
 struct SampleUnref
@@ -47,7 +47,7 @@ is_at_end(GstElement *sink)
   return gst_app_sink_is_eos(GST_APP_SINK(sink)) != FALSE;
 }
 
-/// Takes what comes, as soon as it comes.
+/// Takes samples as soon as they come.
 void
 take_freely(GstElement *sink)
 {
@@ -108,7 +108,7 @@ protected:
       throw std::runtime_error(start_error(bus.get()));
   }
 
-  /// When data passes this pad all streams are there.
+  /// Once data passes this pad, all streams are known.
   void open_with(GstPad *pad)
   {
     gst_pad_add_probe(
@@ -120,7 +120,7 @@ protected:
         this, nullptr);
   }
 
-  /// Its threads use what derived classes have: these call it first of all when they end.
+  /// Derived classes call this first in their destructors, because the threads use their members.
   void stop()
   {
     if (pipeline_)
@@ -129,7 +129,7 @@ protected:
 
   virtual void sought() = 0;
 
-  /// By the thread that takes maps.
+  /// Called by the thread that takes maps.
   void find_fault(std::string fault)
   {
     is_faulty_ = is_faulty_ || failure_.empty();
@@ -155,7 +155,7 @@ private:
   std::atomic<bool> is_open_{ false };
 };
 
-/// One thread, so that one core is the most.
+/// Limits the element to one thread, and thus one core.
 void
 use_one_thread(GstElement *element)
 {

@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-/// What kind of player it is by its name: "vlc" of "vlc.instance123", "mpv" of "mpv at /run/…".
+/// The kind of a player by its name: "vlc" of "vlc.instance123", "mpv" of "mpv at /run/…".
 std::string player_kind(const std::string &name);
 
-/// What of a film the chair is in sync with.
+/// The part of a film with which the chair is in sync.
 enum class SyncTo
 {
   screen,
@@ -20,8 +20,8 @@ enum class SyncTo
 std::optional<SyncTo> sync_of(std::string_view name);
 const char *name_of(SyncTo sync);
 
-/// What the user has set for players of each kind, in a key file. Times are in ms, from −kMost to
-/// kMost; what is no such number counts as not set.
+/// The user's settings for each kind of player, in a key file. Times are in ms, from −kMost to
+/// kMost; other values count as not set.
 ///
 ///     [vlc]
 ///     sync-to=sound
@@ -41,16 +41,16 @@ public:
   explicit PlayerTiming(std::string path);
 
   std::optional<SyncTo> sync_to(const std::string &kind) const;
-  /// How much later than the player puts a picture on this computer's screen it is seen.
+  /// Delay from the player's picture on this computer's screen until it is seen.
   std::optional<double> screen_latency(const std::string &kind) const;
-  /// How much later than that its sound is heard.
+  /// Delay from there until its sound is heard.
   std::optional<double> sound_latency(const std::string &kind) const;
 
-  /// How much later than that it is felt.
+  /// Delay from there until the vibration is felt.
   double offset(const std::string &kind) const;
 
-  /// Limits it to kMost, and writes the file at once. What the user has changed in it meanwhile is
-  /// kept, and counts from then on. Throws std::runtime_error with the path.
+  /// Limits the offset to kMost, and writes the file at once. Changes by the user in the meantime
+  /// are kept, and apply from then on. Throws std::runtime_error with the path.
   void set_offset(const std::string &kind, double offset);
 
 private:

@@ -80,7 +80,7 @@ SessionWatch::subscribe(GDBusConnection *bus, const char *sender, const char *in
                                               G_DBUS_SIGNAL_FLAGS_NONE, callback, this, nullptr));
 }
 
-/// It may be on already. Where it lies, by the bus's custom, is what its name says.
+/// Queries whether the saver is on already. By the bus's custom, its path follows from its name.
 void
 SessionWatch::on_saver(GDBusConnection *bus, const gchar *name, const gchar *, gpointer data)
 {
@@ -208,7 +208,7 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
       "Lock",
       +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *, GVariant *,
           gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, true); });
-  // Whoever unlocks the screen says so here, and seldom by the signal.
+  // Most lockers report their end here, few by the signal.
   self->subscribe(
       self->system_, kLogind, "org.freedesktop.DBus.Properties", "PropertiesChanged", path,
       +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
@@ -229,7 +229,7 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
           gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, false); });
 }
 
-/// It may be locked already.
+/// Receives whether the screen is locked already.
 void
 SessionWatch::on_locked(GObject *bus, GAsyncResult *result, gpointer data)
 {

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-/// Whether nobody can be in the chair: the screen is locked, or the computer goes to sleep. By
-/// logind on the system bus and by screen savers on the session bus. Of the main context's thread.
+/// Notifies of times at which nobody can be in the chair: the screen is locked, or the computer
+/// sleeps. Uses logind on the system bus and screen savers on the session bus. Main context's
+/// thread.
 class SessionWatch
 {
 public:
-  /// Called when one of the reasons comes and no other was there, and when the last one is over.
-  /// The computer sleeps only after it has returned (five seconds later at the latest, by logind's
-  /// default).
+  /// Called when the first reason begins and when the last one ends. The computer sleeps only after
+  /// it has returned (five seconds later at the latest, by logind's default).
   using Rests = std::function<void(bool rests, const std::string &why)>;
 
   /// `session`: the session bus, or nullptr. logind names `program` to the user as the reason for a
@@ -25,7 +25,7 @@ public:
   SessionWatch(const SessionWatch &) = delete;
   SessionWatch &operator=(const SessionWatch &) = delete;
 
-  /// The screen is not locked any more, whatever was reported: not every locker reports its end.
+  /// Ends all reasons: the screen is not locked any more. Not every locker reports its end.
   void somebody_is_there();
 
 private:

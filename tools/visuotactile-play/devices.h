@@ -7,14 +7,14 @@
 
 #include <string>
 
-/// What is felt, as the command line has it.
+/// The device of the command line.
 struct ChosenDevice
 {
   std::string driver;
   std::string device;    ///< of tactorsink, or a sound card's name; may be empty
   unsigned channels = 2; ///< of the sound card
 
-  /// The sink that plays maps on it.
+  /// The sink element for it.
   const char *element() const
   {
     return driver == kAudio ? "tactoraudiosink" : "tactorsink";
@@ -27,10 +27,10 @@ std::string sink_line(const ChosenDevice &chosen);
 /// A sink of that line. Throws std::runtime_error.
 Owned<GstElement> make_sink(const std::string &line);
 
-/// The motors to feel: those that the device knows, the channels of a sound card, else the cells of
-/// a grid. Throws std::runtime_error.
+/// The motors of the feel test: those that the device knows, the channels of a sound card, else the
+/// cells of a grid. Throws std::runtime_error.
 MotorWalk motors_of(const ChosenDevice &chosen, unsigned rows, unsigned columns);
 
-/// Prints boards, gamepads and sound cards, and how other devices are named. Opens none. Returns
+/// Prints boards, gamepads and sound cards, and the names for other devices. Opens none. Returns
 /// the exit status.
 int list_devices();

@@ -10,9 +10,9 @@
 /// Seconds by which a key moves the film, as in mpv: Left and Right 10 s, Down and Up a minute.
 std::optional<int> seek_of(std::string_view key);
 
-/// Does what a key is for with the analysis or the motors' sink: plus and minus change the
-/// intensity, M mutes, 1 and 2 change the sensitivity, 3 and 4 the density. Returns the new value
-/// as a line for the user, empty for another key. Keys have X11's names.
+/// Handles a key for the analysis or the motors' sink: plus and minus change the intensity, M
+/// mutes, 1 and 2 change the sensitivity, 3 and 4 the density. Returns the new value as a line for
+/// the user, empty for another key. Keys have X11's names.
 std::string turn(std::string_view key, GstElement *analysis, GstElement *chair);
 
 /// Whether a key changes how events are found, so that the meter is to be shown.

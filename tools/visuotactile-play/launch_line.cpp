@@ -51,8 +51,10 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   std::string line
       = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
         + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
-        + joined_sound(look, sound) + " ! tactileextractor name=split split.tactile ! " + look
-        + " ! " + settings.chair + " name=chair"
+        + joined_sound(look, sound)
+        + (settings.track.empty() ? "" : " ! tactilecombiner name=track mix=replace")
+        + " ! tactileextractor name=split split.tactile ! " + look + " ! " + settings.chair
+        + " name=chair"
         + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
         + " split.src ! " + look + " ! " + (settings.overlay ? "tactileoverlay" : "identity")
         + " name=overlay" + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
@@ -64,6 +66,9 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
     line += recorded_size(film) + video_encoder() + " ! " + look
             + " ! matroskamux name=mux ! filesink name=recorder async=false"
             + file("location", settings.recording);
+  if (!settings.track.empty())
+    line += " filesrc location=" + launch_value(settings.track)
+            + " ! subparse ! tactileconverter ! queue ! track.tactile";
   if (film.has_sound)
     line += heard_sound(look, sound) + "audioresample ! "
             + (settings.window              ? "autoaudiosink"

@@ -14,11 +14,12 @@ struct PlaySettings
   std::string commands;         ///< file of the command trace; empty: none
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
   std::string chair;            ///< the sink of the maps with its properties, as on a launch line
-  bool has_trace = false;       ///< it can write its commands and has statistics: it is tactorsink
+  bool has_trace = false;       ///< the sink is tactorsink, which has a trace and statistics
   bool overlay = true;          ///< the window shows the map
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
-  const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound
+  std::string track;            ///< a file of text cues that replace all other maps; empty: none
+  const fusion::Profile *sound = nullptr; ///< of the film's sound; null: none is felt
 };
 
 /// An encoder in real time, as on a launch line. Throws std::runtime_error if there is none.

@@ -5,6 +5,9 @@
 #include "display.h"
 #include "player.h"
 #include "strip.h"
+#ifdef HAVE_LIBRARY
+#include "stored_track.h"
+#endif
 
 #include "film/command_line.h"
 #include "film/film.h"
@@ -68,6 +71,7 @@ struct Options
   TextOption compensation{ "exact" };
   TextOption driver{ "auto" };
   TextOption device{};
+  TextOption tracks{};
   TextOption mapping{};     ///< a setting of the user alone
   TextOption calibration{}; ///< likewise
   gint channels = 2;
@@ -103,7 +107,6 @@ fill(Options &options, UserDefaults &defaults)
   defaults.fill_of_driver("device", options.device);
   defaults.fill_of_driver("mapping", options.mapping);
   defaults.fill_of_driver("calibration", options.calibration);
-  defaults.fill_grid(options.rows, options.columns);
   defaults.fill("intensity", options.intensity);
   defaults.fill("mute", options.mute);
   defaults.fill("sensitivity", options.sensitivity);
@@ -158,6 +161,12 @@ read_command_line(int argc, char **argv, Options &options)
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
+#ifdef HAVE_LIBRARY
+    { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
+      "Play the track that is beside the film or in this folder of tracks, or its address on a web "
+      "server, instead of what the analysis finds",
+      "DIR" },
+#endif
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
       "Print the gst-launch-1.0 line and exit", nullptr },
     { "release-boards", 0, 0, G_OPTION_ARG_NONE, &options.release_boards,
@@ -222,9 +231,12 @@ read_command_line(int argc, char **argv, Options &options)
   expect_driver(chosen_device(options).driver, kAudio);
   if (options.driver.text() == kAudio && options.compensation.text() != "exact")
     throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
+  if (options.tracks.is_set() && (options.films.empty() || options.print_pipeline))
+    throw UsageError("--tracks plays the track of a film; expected one, and no --print-pipeline");
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());
+  defaults.fill_grid(options.rows, options.columns, kOfDevice);
   if (!options.common.quiet && !options.list_devices && !options.release_boards)
     defaults.print();
 }
@@ -315,7 +327,7 @@ print_report(const Film &film, const PlayReport &report)
               milliseconds(report.chair.get(), "error-max"));
 }
 
-/// As a launch line has it, in any locale.
+/// A number as on a launch line, in any locale.
 std::string
 number_text(double number)
 {
@@ -419,6 +431,20 @@ run(const Options &options)
     return 0;
   }
 
+#ifdef HAVE_LIBRARY
+  const std::optional<StoredTrack> track
+      = options.tracks.is_set() ? StoredTrack::find(film, options.tracks.text()) : std::nullopt;
+  if (track) {
+    expect_elements(std::array{ "subparse", "tactileconverter", "tactilecombiner" });
+    settings.track = track->path();
+    if (!settings.quiet)
+      std::printf("Track          %s\n", track->source().c_str());
+  } else if (options.tracks.is_set()) {
+    print_error(kProgram,
+                "there is no track for '" + film.title + "': what the analysis finds is played");
+  }
+#endif
+
   std::optional<Output> recording;
   std::optional<Output> commands;
   std::optional<Output> picture;
@@ -445,7 +471,7 @@ run(const Options &options)
   if (!report.played && !report.stopped)
     throw std::runtime_error("'" + film.title + "' has no frame that can be decoded");
 
-  // Before the report: who reads that may not wait for the program's end.
+  // The files are complete before the report: its reader may not wait for the program's end.
   std::string written;
   const auto commit = [&written](std::optional<Output> &output) {
     if (output && output->commit())

@@ -124,7 +124,8 @@ private:
     gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
   }
 
-  /// Ends the stream here after Ctrl-C. What is queued downstream is played and recorded on time.
+  /// Ends the stream here after Ctrl-C. Data that is queued downstream is played and recorded on
+  /// time.
   static GstPadProbeReturn gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -286,7 +287,7 @@ private:
     self->silent_ = end_missing_sound(self->pipeline_.get());
   }
 
-  /// Ends the film in order: what is queued is played, for kDrainSeconds at the most.
+  /// Ends the film in order: queued data is played, for kDrainSeconds at the most.
   void end()
   {
     ending_ = true;
@@ -376,7 +377,7 @@ private:
       if (settings_.quiet
           || !gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(chair_.get())))
         break;
-      g_autoptr(GError) info = nullptr; // which board, or that there is none
+      g_autoptr(GError) info = nullptr; // the name of the board, or that there is none
       gst_message_parse_info(message, &info, nullptr);
       board_ = info->message;
       if (playing_) // a film that cannot be played has its error alone
@@ -494,7 +495,7 @@ private:
   std::atomic<bool> recorded_{ false };
   std::atomic<bool> silent_{ false };
   std::atomic<GstClockTime> shown_{ 0 };    ///< the film's time of the last frame
-  std::atomic<GstClockTime> position_{ 0 }; ///< and of its end
+  std::atomic<GstClockTime> position_{ 0 }; ///< the film's time at the end of the last frame
   std::atomic<GstClockTime> heard_{ 0 };
   PlayReport report_;
 };

@@ -19,7 +19,7 @@ struct FreeStructure
 };
 using Stats = std::unique_ptr<GstStructure, FreeStructure>;
 
-/// What happened during a play.
+/// The result of a play.
 struct PlayReport
 {
   bool played = false;         ///< at least one frame

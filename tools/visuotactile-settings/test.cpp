@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Gives tactorsink what it knows of the settings. It is not muted.
+/// Applies the settings that are properties of tactorsink, except mute.
 void
 apply(GstElement *tactors, const chair::Settings &settings)
 {

@@ -25,7 +25,7 @@ script(const char *name)
   return std::string(set ? set : STUDY_R) + "/" + name;
 }
 
-/// Runs a script, whose lines are printed.
+/// Runs a script and prints its output.
 int
 run_r(std::vector<std::string> arguments, bool quiet)
 {
@@ -41,7 +41,7 @@ run_r(std::vector<std::string> arguments, bool quiet)
   return 0;
 }
 
-/// The study's factors, levels and questions for R: name, what it is, label.
+/// The study's factors, levels and questions for R: name, kind, label.
 std::string
 dictionary(const study::Study &study)
 {

@@ -4,6 +4,8 @@
 #include "../visuotactile-play/display.h"
 #include "../visuotactile-play/launch_line.h"
 
+#include "chair/settings.h"
+#include "film/command_line.h"
 #include "film/device_list.h"
 #include "film/frame_times.h"
 #include "film/known_driver.h"
@@ -119,7 +121,7 @@ FilmPlay::~FilmPlay()
 {
   if (watch_ != 0)
     g_source_remove(watch_);
-  if (pipeline_) // before the probe's object is gone
+  if (pipeline_) // before the object that the probe uses is deleted
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
 }
 
@@ -203,7 +205,7 @@ FilmPlay::on_message(GstMessage *message)
   return G_SOURCE_CONTINUE;
 }
 
-/// By the sink of the picture.
+/// Reads the statistics of the picture's sink.
 void
 FilmPlay::count_frames()
 {
@@ -253,7 +255,12 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   }
   noise_.reset();
+<<<<<<< HEAD
   count_frames();
+=======
+  count_frames();                                           // the counts are lost after PLAYING
+  gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
+>>>>>>> study50
   result_.outcome = outcome;
   result_.text = text;
   if (!is_audio_ && result_.chair.empty())
@@ -279,6 +286,35 @@ expect_playable(const std::string &film, const study::Settings &settings)
   expect_driver(setting(settings, "driver", "auto"), kAudio);
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
+}
+
+study::Settings
+user_defaults(const char *program)
+{
+  chair::Settings user = chair::read_settings();
+  for (const std::string &complaint : user.complaints)
+    print_error(program, complaint);
+  if (const auto grid = user.values.find(chair::kGrid); grid != user.values.end()) {
+    const chair::Grid size = chair::parse_grid(grid->second);
+    user.values["rows"] = std::to_string(size.rows);
+    user.values["columns"] = std::to_string(size.columns);
+  }
+  for (const char *name : { chair::kGrid, chair::kEnabled, "mute" }) // of no session
+    user.values.erase(name);
+  return user.values;
+}
+
+void
+add_defaults(study::Settings &settings, const study::Settings &defaults)
+{
+  const bool has_driver = setting(settings, "driver", setting(defaults, "driver", "auto").c_str())
+                          == setting(defaults, "driver", "auto");
+  for (const auto &[name, value] : defaults) {
+    const bool of_driver = name == "device" || name == "mapping" || name == "calibration"
+                           || name == "rows" || name == "columns";
+    if (has_driver || !of_driver)
+      settings.emplace(name, value);
+  }
 }
 
 bool

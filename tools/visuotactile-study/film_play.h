@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// What the chair does.
+/// The levels of the chair.
 struct ChairLevels
 {
   unsigned rows = 0;
@@ -19,7 +19,7 @@ struct ChairLevels
   double position = 0;       ///< s of the film
 };
 
-/// Film and chair of a session, in sync by their sinks. Of the main context's thread.
+/// Film and chair of a session; their sinks are in sync. Main context's thread.
 class FilmPlay
 {
 public:
@@ -53,7 +53,7 @@ private:
   bool is_audio_;
   float intensity_;
   study::Play result_;
-  std::string told_; ///< by the chair
+  std::string told_; ///< the last message of the chair
   guint watch_ = 0;
   mutable std::mutex mutex_;
   ChairLevels levels_; ///< a streaming thread writes them
@@ -64,6 +64,14 @@ private:
 
 /// Throws std::runtime_error if a film of these settings cannot be played at all.
 void expect_playable(const std::string &film, const study::Settings &settings);
+
+/// The user's settings (visuotactile-settings) that a session may have. Prints a line for each entry
+/// that cannot be read.
+study::Settings user_defaults(const char *program);
+
+/// Adds what the settings of a session leave open. What belongs to the user's driver is left out if
+/// the session has another.
+void add_defaults(study::Settings &settings, const study::Settings &defaults);
 
 /// Whether a window can show films here.
 bool can_show_films();

@@ -40,7 +40,8 @@ page_secrets(const std::string &file)
 
 /// Throws std::runtime_error if a session could not be played.
 void
-expect_films(const study::Folder &folder, const study::Settings &overrides)
+expect_films(const study::Folder &folder, const study::Settings &overrides,
+             const study::Settings &defaults)
 {
   const study::Study &study = folder.study();
   std::vector<study::Settings> sessions;
@@ -57,6 +58,7 @@ expect_films(const study::Folder &folder, const study::Settings &overrides)
     settings.insert(study.settings.begin(), study.settings.end());
     for (const auto &[name, value] : overrides)
       settings[name] = value;
+    add_defaults(settings, defaults);
     const std::string &film = settings["film"];
     if (film.empty())
       throw std::runtime_error("study.ini: expected film=FILE in [settings] or in a level of each "
@@ -118,7 +120,8 @@ run_study(int argc, char **argv)
   study::Settings overrides;
   if (driver.is_set())
     overrides["driver"] = driver.text();
-  expect_films(*folder, overrides);
+  const study::Settings defaults = user_defaults(kProgram);
+  expect_films(*folder, overrides, defaults);
   const bool window = !no_window && can_show_films();
   if (!window && !no_window)
     print_error(kProgram, "there is no display: films are played, but not shown");
@@ -128,6 +131,7 @@ run_study(int argc, char **argv)
   StudySite site(*folder, { .page = page,
                             .experimenter = experimenter_path,
                             .window = window,
+                            .defaults = defaults,
                             .overrides = overrides });
   const Server server({ .port = static_cast<guint16>(port),
                         .usual = usual_port(std::filesystem::absolute(folder->path(), error)),

@@ -205,6 +205,7 @@ StudySite::play(SoupServerMessage *message, std::string_view body)
   study::Settings settings = active_->settings(session);
   for (const auto &[key, value] : settings_.overrides)
     settings[key] = value;
+  add_defaults(settings, settings_.defaults);
   const auto trace = folder_.next_trace(*active_, session);
   if (!trace)
     return answer_error(message, 507, trace.error());

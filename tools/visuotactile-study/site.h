@@ -12,8 +12,7 @@
 #include <string>
 #include <string_view>
 
-/// The answers to a study's pages, and the session that runs. Of the main context's
-/// thread.
+/// Serves the pages of a study and runs the session. Main context's thread.
 class StudySite : public Site
 {
 public:
@@ -22,7 +21,8 @@ public:
     std::string page;         ///< folder
     std::string experimenter; ///< begins the paths of the experimenter's page, such as "KEY/"
     bool window = false;
-    study::Settings overrides; ///< of all sessions
+    study::Settings defaults;  ///< of the user, below the study's
+    study::Settings overrides; ///< for all sessions
   };
   StudySite(study::Folder &folder, Settings settings);
   ~StudySite() override;
@@ -30,7 +30,7 @@ public:
   std::string methods(const std::string &path) const override;
   void answer(SoupServerMessage *message, const std::string &path) override;
 
-  /// Ends a film that plays: nobody is there, or the program ends.
+  /// Ends the film that plays.
   void stop_film(const std::string &why);
 
 private:
@@ -67,8 +67,8 @@ private:
   Settings settings_;
   study::Participant *active_ = nullptr;
   std::unique_ptr<FilmPlay> play_;
-  std::unique_ptr<FilmPlay> over_; ///< the last one
-  std::string step_played_;        ///< by play_
+  std::unique_ptr<FilmPlay> over_; ///< the play that ended last
+  std::string step_played_;        ///< the step of the last play
   Events events_; ///< of the participant's page: no condition, nothing of the chair
   Events of_experimenter_;
   guint tick_;

@@ -101,7 +101,7 @@ Connections::gone(gpointer self, GObject *socket)
   static_cast<Connections *>(self)->connections_.erase(reinterpret_cast<GSocket *>(socket));
 }
 
-/// Its connection ends by that.
+/// Shuts the socket down, which ends the connection.
 void
 Connections::end(GSocket *socket, Connection &connection)
 {
@@ -109,7 +109,7 @@ Connections::end(GSocket *socket, Connection &connection)
   g_socket_shutdown(socket, TRUE, TRUE, nullptr);
 }
 
-/// False if all that are there have named the token.
+/// False if all connections have named the token.
 bool
 Connections::make_room()
 {

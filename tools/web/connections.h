@@ -21,7 +21,7 @@ public:
   Connections(const Connections &) = delete;
   Connections &operator=(const Connections &) = delete;
 
-  /// Its request has named the token.
+  /// Admits the connection of a request that has named the token.
   void admit(SoupServerMessage *message);
 
   guint16 port() const
@@ -47,6 +47,6 @@ private:
 
   SoupServer *server_;
   guint16 port_ = 0;
-  std::map<GSocket *, Connection> connections_; ///< that are there
+  std::map<GSocket *, Connection> connections_; ///< the open ones
   guint tick_ = 0;
 };

@@ -7,7 +7,7 @@
 #include <list>
 #include <string>
 
-/// The streams of events of the pages that are there. Of the main context's thread.
+/// The streams of events of all pages. Main context's thread.
 class Events
 {
 public:

@@ -20,7 +20,7 @@ public:
   /// "http://127.0.0.1:PORT/TOKEN/"
   std::string address() const;
 
-  /// What follows the token. None: the request was refused and is answered.
+  /// The path after the token. None: the request was refused and is answered.
   std::optional<std::string> admit(SoupServerMessage *message) const;
 
 private:

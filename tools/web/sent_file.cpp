@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kPiece = 256 * 1024;
 
-/// What is left to send.
+/// The rest of a file to send.
 struct Sending
 {
   files::File file;
@@ -23,7 +23,7 @@ struct Sending
   goffset left;
 };
 
-/// Adds a piece to what is sent. Where the file cannot be read any further, the connection ends.
+/// Sends the next piece. If the file cannot be read on, the connection ends.
 void
 send_piece(SoupServerMessage *message, Sending &sending)
 {

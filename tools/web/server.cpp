@@ -10,10 +10,10 @@
 
 namespace {
 
-/// Where on_headers() leaves what follows the token for on_request().
+/// The key under which on_headers() stores the path after the token for on_request().
 constexpr const char *kPath = "site-path";
 
-/// Answers at once and ends the connection, whatever else would come.
+/// Answers at once and ends the connection, whatever else arrives.
 void
 cut_off(SoupServerMessage *message, goffset most)
 {
@@ -30,7 +30,7 @@ cut_off(SoupServerMessage *message, goffset most)
   g_socket_close(socket, nullptr); // the next read of it fails, which ends the message
 }
 
-/// Counts what comes of a body, whose length may be untold.
+/// Counts the bytes of a body, whose length may be unknown.
 struct Counted
 {
   goffset left;

@@ -5,7 +5,7 @@
 
 #include <string>
 
-/// What a server serves. Its requests have been admitted. Of the main context's thread.
+/// The site of a server. Its requests have been admitted. Main context's thread.
 class Site
 {
 public:

@@ -25,7 +25,7 @@ constexpr const char *kCommon[][2] = {
 
 constexpr std::size_t kLargestPage = std::size_t{ 8 } << 20;
 
-/// By the ending of a name; null: such files are not part of a page.
+/// The content type by the ending of a name; null: such files are not part of a page.
 const char *
 type_of(const std::string &name)
 {

@@ -62,5 +62,5 @@ private:
   int width_ = 0; ///< of the frames
   int height_ = 0;
   std::vector<Texture> levels_;     ///< from the first halving on, and one more for chroma
-  std::unique_ptr<Texture> packed_; ///< what is read
+  std::unique_ptr<Texture> packed_; ///< the texture that is read
 };

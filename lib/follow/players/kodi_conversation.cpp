@@ -18,8 +18,8 @@ using namespace std::chrono_literals;
 /// (docs/measured/follow.md).
 constexpr Time kPictureAhead = 75ms;
 
-/// After a seek Kodi reports its old position for a while. For so long, positions far from the
-/// target of the seek are skipped.
+/// After a seek, Kodi reports its old position for a while. During this time, positions far from
+/// the target of the seek are skipped.
 constexpr Time kBefore = 500ms;
 constexpr Time kBeyond = 2s;
 constexpr Time kSeekTakes = 3s;

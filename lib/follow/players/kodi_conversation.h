@@ -37,7 +37,7 @@ public:
   /// for what is open. Empty while an answer is awaited.
   std::string ask(Time now);
 
-  /// Whether an answer is overdue by more than anybody waits.
+  /// Whether an answer has been overdue for too long.
   bool is_silent(Time now) const;
 
 private:
@@ -62,7 +62,7 @@ private:
     std::int64_t item = 0;
     std::int64_t properties = 0;
   };
-  /// Where a seek goes to.
+  /// The target of a seek.
   struct Seek
   {
     Time at{ 0 }; ///< local time of its report
@@ -76,7 +76,7 @@ private:
   std::string film_;                   ///< empty: unknown
   double speed_ = 0;                   ///< film seconds a second; 0: pause
   std::optional<Seek> seek_;           ///< without a report of a position so far
-  bool sought_ = false;                ///< likewise
+  bool sought_ = false;                ///< a seek without a report of a position so far
 };
 
 } // namespace follow

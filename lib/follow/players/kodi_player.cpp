@@ -124,7 +124,7 @@ KodiSearch::KodiSearch(std::string address, Events events)
 
 KodiSearch::~KodiSearch()
 {
-  g_cancellable_cancel(canceled_); // answers are for nobody from now on
+  g_cancellable_cancel(canceled_); // answers are dropped from now on
   g_object_unref(canceled_);
   g_clear_object(&connection_);
 }

@@ -17,15 +17,15 @@ inline constexpr guint16 kKodiPort = 9090;
 /// Kodi at the other end of an open connection. Its position is queried while it plays.
 std::unique_ptr<Player> open_kodi(GSocketConnection *connection, PlayerEvents events);
 
-/// Looks whether Kodi is there, without waiting for it. Calls back in the main context in which it
-/// was made.
+/// Probes whether Kodi runs, without waiting for it. Calls back in the main context in which it was
+/// made.
 class KodiSearch
 {
 public:
   struct Events
   {
     std::function<void(GSocketConnection *)> found;
-    /// `is_other`: somebody is there who is not Kodi.
+    /// `is_other`: another program answers at the port.
     std::function<void(const std::string &why, bool is_other)> missed;
   };
 
@@ -35,7 +35,7 @@ public:
   KodiSearch(const KodiSearch &) = delete;
   KodiSearch &operator=(const KodiSearch &) = delete;
 
-  /// Nothing while a look is under way.
+  /// Probes now, unless a probe is in progress.
   void look();
 
 private:

@@ -8,7 +8,7 @@
 
 namespace follow {
 
-/// Bytes of a stream → its lines. Not thread-safe.
+/// Splits a stream into its lines. Not thread-safe.
 class LineBuffer
 {
 public:

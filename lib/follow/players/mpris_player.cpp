@@ -72,7 +72,7 @@ public:
   {
     for (const guint subscription : subscriptions_)
       g_dbus_connection_signal_unsubscribe(bus_, subscription);
-    g_cancellable_cancel(canceled_); // answers are for nobody from now on
+    g_cancellable_cancel(canceled_); // answers are dropped from now on
     g_object_unref(canceled_);
     if (timer_ != 0)
       g_source_remove(timer_);

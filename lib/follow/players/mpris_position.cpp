@@ -73,7 +73,8 @@ MprisPosition::leap()
   fault_.clear();
 }
 
-/// Which unit makes the position go as fast as the film, of the last look on.
+/// Selects the unit in which the position has advanced as fast as the film since the last
+/// comparison.
 void
 MprisPosition::judge(double told, Time now, double rate)
 {

@@ -17,9 +17,9 @@ namespace follow {
 class MprisPosition
 {
 public:
-  /// Between two looks at how far the position went.
+  /// Time between two comparisons of the position's advance.
   static constexpr Time kLook = std::chrono::milliseconds(500);
-  /// A film that plays for so long without a position that goes along has none of use.
+  /// After so long without a position that advances with the film, the position is unusable.
   static constexpr Time kPatience = std::chrono::seconds(3);
 
   /// Any number, none for other types.
@@ -31,10 +31,10 @@ public:
   /// The film time of a notified position, from which no unit is concluded.
   std::optional<Time> meant(std::optional<double> told) const;
 
-  /// The film does not go on from where it was: it leapt, stands, or is another one.
+  /// The film does not continue from its last position: it has leapt, stands, or is another one.
   void leap();
 
-  /// Why there is no position of use; empty: there is one, or it is not clear yet.
+  /// The reason for which the position is unusable; empty: it is usable, or not decided yet.
   const std::string &fault() const
   {
     return fault_;
@@ -51,7 +51,7 @@ private:
   void judge(double told, Time now, double rate);
 
   int unit_ = 0;      ///< index of kUnits
-  int candidate_ = 0; ///< which looked right last
+  int candidate_ = 0; ///< the unit that fitted last
   std::optional<Mark> mark_;
   std::optional<Mark> change_; ///< the last report, and since when
   std::optional<Time> right_;  ///< since when it may go wrong

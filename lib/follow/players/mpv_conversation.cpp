@@ -125,7 +125,7 @@ MpvConversation::received(std::string_view line, Time now)
     return std::nullopt;
   }
   Report report{ .received = now, .doing = doing(), .rate = rate_, .film = film() };
-  // While it seeks, mpv reports the target of the seek before it is there.
+  // During a seek, mpv reports the target before it has reached it.
   const std::optional<Time> position = std::exchange(position_, std::nullopt);
   if (report.doing != Doing::stalled)
     report.position = position ? std::optional(shown(*position)) : std::nullopt;

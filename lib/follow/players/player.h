@@ -41,7 +41,7 @@ public:
   {
     return true;
   }
-  /// Why its position is of no use, so that nothing is felt; empty: it is.
+  /// The reason for which its position is unusable and nothing is felt; empty: none.
   virtual const std::string &fault() const
   {
     static const std::string none;

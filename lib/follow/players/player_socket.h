@@ -19,7 +19,7 @@ class PlayerSocket
 public:
   struct Events
   {
-    /// Bytes as they come, at a local time. False: no more is wanted.
+    /// Received bytes, and their local time. False: no more bytes are wanted.
     std::function<bool(std::string_view bytes, Time now)> received;
     std::function<void(const std::string &why)> gone; ///< once; nothing follows
   };
@@ -33,7 +33,8 @@ public:
   /// An error, if not all could be sent at once.
   std::string send(std::string_view bytes);
 
-  /// Whether the player says so much that it would keep this thread busy. Called for each message.
+  /// Whether the player sends so many messages that they would keep this thread busy. Call it for
+  /// each message.
   bool is_flood(Time now);
   static std::string flood();
 

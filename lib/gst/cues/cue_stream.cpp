@@ -36,6 +36,7 @@ read_map(GstBuffer *buffer, const tactile::Grid &grid)
     return refused("the map has another size than its caps say");
   Cue cue{ .map = tactile::TactileMap(grid.rows, grid.columns) };
   std::copy(levels, levels + count, cue.map.levels.begin());
+  cue.map.frequency = gst_buffer_get_tactile_frequency(buffer);
   return cue;
 }
 
@@ -91,6 +92,7 @@ cue_buffer_new(const tactile::Cue &cue, CueForm form)
   GstBuffer *buffer = nullptr;
   if (form == CueForm::map) {
     buffer = gst_tactile_map_buffer_new(cue.map.levels.data(), cue.map.levels.size());
+    gst_buffer_set_tactile_frequency(buffer, cue.map.frequency);
   } else if (form == CueForm::text) {
     const std::string text = tactile::write_text_cue(cue.map);
     buffer = gst_buffer_new_memdup(text.data(), text.size());

@@ -29,7 +29,7 @@ public:
   visuotactile::Time stream_time() const;
 
   /// The running time of the film's time 0 where the film is played from its beginning. Not
-  /// positive: a player begins with what it knows of first, which may not be the earliest.
+  /// positive: a player begins with the first stream that it knows, which may not be the earliest.
   visuotactile::Time running_time() const;
 
 private:

@@ -3,12 +3,12 @@
 
 #include <gst/gst.h>
 
-/// The pipeline that an object is in, or what is in place of it; without a parent the object
-/// itself. Transfer full. Any thread, with no object lock held: it takes those of the object and
-/// its parents one after the other, each for a moment, and no other lock.
+/// The topmost parent of an object, usually its pipeline; without a parent the object itself.
+/// Transfer full. Any thread, with no object lock held: it takes those of the object and its
+/// parents one after the other, each for a moment, and no other lock.
 ///
-/// A state change or a streaming thread takes no state lock, and nothing else that waits, of what
-/// it finds here: the thread that changes a pipeline's state holds those of the pipeline and waits
+/// A state change or a streaming thread takes no state lock of the topmost object, nor another lock
+/// that blocks: the thread that changes a pipeline's state holds those of the pipeline and waits
 /// for that of the stream.
 inline GstObject *
 topmost(GstObject *object)

@@ -88,6 +88,69 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   return TRUE;
 }
 
+#define FREQUENCY_META "GstTactileFrequencyMeta"
+
+static void
+register_frequency_meta(void)
+{
+  static gsize is_registered = 0;
+  static const gchar *tags[] = { NULL };
+
+  if (g_once_init_enter(&is_registered)) {
+    gst_meta_register_custom(FREQUENCY_META, tags, NULL, NULL, NULL);
+    g_once_init_leave(&is_registered, 1);
+  }
+}
+
+#if GST_CHECK_VERSION(1, 24, 0)
+/* For unixfdsink and others that pass buffers to other processes: rows, columns, direction, levels,
+ * 4 bytes each, little-endian. */
+enum
+{
+  HEADER = 12
+};
+
+static gboolean
+gst_tactile_meta_serialize(const GstMeta *meta, GstByteArrayInterface *data, guint8 *version)
+{
+  const GstTactileMeta *self = (const GstTactileMeta *)meta;
+  const gsize n_levels = (gsize)self->rows * self->columns;
+  guint8 *bytes = gst_byte_array_interface_append(data, HEADER + n_levels * 4);
+
+  if (bytes == NULL)
+    return FALSE;
+  *version = 1;
+  GST_WRITE_UINT32_LE(bytes, self->rows);
+  GST_WRITE_UINT32_LE(bytes + 4, self->columns);
+  GST_WRITE_UINT32_LE(bytes + 8, ((const TactileMeta *)meta)->direction);
+  for (gsize i = 0; i < n_levels; i++)
+    GST_WRITE_FLOAT_LE(bytes + HEADER + i * 4, self->levels[i]);
+  return TRUE;
+}
+
+static GstMeta *
+gst_tactile_meta_deserialize(const GstMetaInfo *info, GstBuffer *buffer, const guint8 *data,
+                             gsize size, guint8 version)
+{
+  const guint32 rows = size >= HEADER ? GST_READ_UINT32_LE(data) : 0;
+  const guint32 columns = size >= HEADER ? GST_READ_UINT32_LE(data + 4) : 0;
+  const guint32 direction = size >= HEADER ? GST_READ_UINT32_LE(data + 8) : 0;
+  gfloat levels[GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE];
+  GstTactileMeta *self;
+
+  if (version != 1 || rows < 1 || rows > GST_TACTILE_MAX_SIDE || columns < 1
+      || columns > GST_TACTILE_MAX_SIDE || size != HEADER + (gsize)rows * columns * 4
+      || direction > GST_VIDEO_ORIENTATION_CUSTOM)
+    return NULL;
+  for (gsize i = 0; i < (gsize)rows * columns; i++)
+    levels[i] = GST_READ_FLOAT_LE(data + HEADER + i * 4);
+  self = gst_buffer_add_tactile_meta(buffer, rows, columns, levels, (gsize)rows * columns);
+  if (self != NULL)
+    gst_tactile_meta_set_video_direction(self, (GstVideoOrientationMethod)direction);
+  return (GstMeta *)self;
+}
+#endif
+
 /**
  * gst_tactile_meta_api_get_type: (skip)
  *
@@ -117,7 +180,9 @@ gst_tactile_meta_api_get_type(void)
 /**
  * gst_tactile_meta_get_info: (skip)
  *
- * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta().
+ * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta(). A
+ * process that receives maps of another one, as by `unixfdsrc`, calls it, or
+ * loads a plugin that does, before the first buffer arrives.
  *
  * Returns: the #GstMetaInfo of #GstTactileMeta
  *
@@ -129,9 +194,21 @@ gst_tactile_meta_get_info(void)
   static const GstMetaInfo *info = NULL;
 
   if (g_once_init_enter(&info)) {
+#if GST_CHECK_VERSION(1, 24, 0)
+    GstMetaInfo *own
+        = gst_meta_info_new(GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(TactileMeta));
+    own->init_func = gst_tactile_meta_init;
+    own->free_func = gst_tactile_meta_free;
+    own->transform_func = gst_tactile_meta_transform;
+    own->serialize_func = gst_tactile_meta_serialize;
+    own->deserialize_func = gst_tactile_meta_deserialize;
+    const GstMetaInfo *registered = gst_meta_info_register(own);
+#else
     const GstMetaInfo *registered = gst_meta_register(
         GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(TactileMeta), gst_tactile_meta_init,
         gst_tactile_meta_free, gst_tactile_meta_transform);
+#endif
+    register_frequency_meta();
     g_once_init_leave(&info, registered);
   }
   return info;
@@ -250,6 +327,63 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
 
   *n_levels = (gsize)meta->rows * meta->columns;
   return meta->levels;
+}
+
+/**
+ * gst_buffer_set_tactile_frequency:
+ * @buffer: a writable #GstBuffer with a tactile map, on a video frame or of a
+ *     stream of maps
+ * @frequency: in Hz, 1 to 1000; 0: none
+ *
+ * Sets the frequency of the vibrations of a map, for actuators that have a
+ * choice, such as shakers at a sound card.
+ *
+ * Since: 0.1
+ */
+void
+gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
+{
+  GstCustomMeta *meta;
+
+  g_return_if_fail(GST_IS_BUFFER(buffer));
+  g_return_if_fail(gst_buffer_is_writable(buffer));
+  g_return_if_fail(frequency >= 0 && frequency <= 1000);
+
+  register_frequency_meta();
+  meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
+  if (frequency == 0) {
+    if (meta != NULL)
+      gst_buffer_remove_meta(buffer, &meta->meta);
+    return;
+  }
+  if (meta == NULL)
+    meta = gst_buffer_add_custom_meta(buffer, FREQUENCY_META);
+  gst_structure_set(gst_custom_meta_get_structure(meta), "hz", G_TYPE_FLOAT, frequency, NULL);
+}
+
+/**
+ * gst_buffer_get_tactile_frequency:
+ * @buffer: a #GstBuffer
+ *
+ * Gets the frequency of the vibrations of a map.
+ *
+ * Returns: the frequency in Hz; 0: none
+ *
+ * Since: 0.1
+ */
+gfloat
+gst_buffer_get_tactile_frequency(GstBuffer *buffer)
+{
+  GstCustomMeta *meta;
+  gfloat frequency = 0;
+
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), 0);
+
+  register_frequency_meta();
+  meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
+  if (meta != NULL)
+    gst_structure_get(gst_custom_meta_get_structure(meta), "hz", G_TYPE_FLOAT, &frequency, NULL);
+  return frequency >= 1 && frequency <= 1000 ? frequency : 0;
 }
 
 /**

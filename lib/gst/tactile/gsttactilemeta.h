@@ -67,6 +67,12 @@ GST_TACTILE_API
 const gfloat *gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels);
 
 GST_TACTILE_API
+void gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency);
+
+GST_TACTILE_API
+gfloat gst_buffer_get_tactile_frequency(GstBuffer *buffer);
+
+GST_TACTILE_API
 void gst_tactile_meta_set_video_direction(GstTactileMeta *meta,
                                           GstVideoOrientationMethod direction);
 

@@ -22,7 +22,7 @@ public:
       return false; // OpenCV prints an error
     try {
       return cascade_.load(file) && !cascade_.empty();
-    } catch (const cv::Exception &) { // what is no XML
+    } catch (const cv::Exception &) { // invalid XML
       return false;
     }
   }
@@ -50,7 +50,7 @@ private:
 
 } // namespace
 
-/// Null if the file is not there or is no cascade.
+/// Null if the file is missing or no cascade.
 extern "C" __attribute__((visibility("default"))) people::Detector *
 visuotactile_make_face_detector(const char *file)
 {

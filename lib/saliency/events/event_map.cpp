@@ -8,22 +8,23 @@ namespace saliency {
 
 namespace {
 
-constexpr double kLag = 2.4;           ///< between the pictures that are compared, frames at 30 fps
-constexpr double kShortestStep = 0.45; ///< between pictures that are kept
+constexpr double kLag = 2.4;           ///< frames at 30 fps between the compared pictures
+constexpr double kShortestStep = 0.45; ///< frames at 30 fps between stored pictures
 constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger, not brighter
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
-constexpr double kEnergyHalf = 1.5;    ///< the same of the energy
+constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
-// A thing that appears and stands is held for so long, in frames at 30 fps, more weakly toward the
-// end, while nothing else is as strong as this in ΔE.
+// A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
+// while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
 constexpr double kFades = 0.8; ///< share of the weight that is gone at the end
 constexpr float kAlone = 1.6F;
-// Something has gone where less than this share of its contrast is left, above the least contrast.
+// A thing has gone where less than kGone of its contrast above kLeast is left.
 constexpr float kGone = 0.3F;
 constexpr float kLeast = 1;
-// While the camera moves, weak events are its parallax: the map is divided by 1 + its way in units
-// of this share of the width, and, the more it travels, by what the misfit says.
+// While the camera moves, weak events are its parallax: the map is divided by 1 + the camera's way
+// in units of 1/kUnitsOfWidth of the width and, the more the camera travels, by a term of the
+// misfit.
 constexpr double kUnitsOfWidth = 160;
 constexpr double kTravel = 20;        ///< per sample of misfit
 constexpr double kLeastMisfit = 0.08; ///< samples
@@ -101,7 +102,8 @@ EventMap::picture_before(double lag) const
   return best;
 }
 
-/// A thing that has gone leaves a difference, too: little counts where little contrast is left.
+/// Lowers the difference that a thing leaves when it has gone, which is where little contrast is
+/// left.
 void
 EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &before,
                        cv::Mat &map)
@@ -158,7 +160,7 @@ EventMap::blur(cv::Mat &map)
     }
 }
 
-/// Where in `then` is what is at a sample now.
+/// The map from samples of now to samples of `then`.
 Similarity
 EventMap::motion_since(const Picture &then, const Look &look) const
 {
@@ -248,7 +250,7 @@ EventMap::operator()(const Look &look)
     map_.ptr<float>()[i] = scale * (now + slow) / 2;
     most = std::max(most, now);
   }
-  if (way > kLeastWay) // a place of the picture shows now this, now that
+  if (way > kLeastWay) // each place shows one thing after another
     noise_.reset();
   else
     noise_.subtract(map_, look.elapsed);

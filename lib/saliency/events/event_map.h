@@ -31,8 +31,7 @@ public:
   /// The map of the next frame, of the size of Look::contrast (CV_32FC1, ≥ 0).
   const cv::Mat &operator()(const Look &look);
 
-  /// The strongest that moves by itself now, in ΔE: without regard to whether the camera moves, and
-  /// before the noise floor.
+  /// The strongest event now, in ΔE, before the divisor of the camera's motion and the noise floor.
   double energy() const
   {
     return energy_;
@@ -44,10 +43,10 @@ public:
   /// Changes the frame of reference of all poses: `view` maps the old one to the new one.
   void rebase(const Similarity &view);
 
-  /// The map of an event that is over is below the floor after so long, in frames at 30 fps.
+  /// So long after the end of an event its map is below the floor, in frames at 30 fps.
   static constexpr int kHold = 25;
 
-  /// How far an event reaches beyond what moves, in samples of a map of that size.
+  /// How far the map of an event reaches beyond the moving thing, in samples of a map of that size.
   static int reach(cv::Size map);
 
 private:

@@ -8,12 +8,12 @@
 
 namespace saliency {
 
-/// Motion that goes on at one place is no event: rain, leaves, water, a crowd, film grain.
+/// Motion that continues at one place is no event: rain, leaves, water, a crowd, film grain.
 ///
 /// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
-/// density estimation based on optimal smoothing and minimum statistics", 2001): the least that
-/// happened around it, within a quarter of the map's width, in the last seven seconds. Something
-/// that pauses once in them has a floor of zero.
+/// density estimation based on optimal smoothing and minimum statistics", 2001): the least, in the
+/// last seven seconds, of the greatest value within a quarter of the map's width. Motion that
+/// pauses once in this time has a floor of zero.
 class NoiseFloor
 {
 public:

@@ -3,15 +3,15 @@
 
 namespace saliency {
 
-/// How strong events are, against the film's own last minutes: a quiet film is felt, and a loud one
+/// The strength of events relative to the film's last minutes: a quiet film is felt, and a loud one
 /// keeps its differences.
 ///
 /// An upper quantile of the energies is followed by small steps. Events as strong as the geometric
-/// mean of it and of what is usual have strength 1.
+/// mean of this quantile and kUsual have strength 1.
 class Strength
 {
 public:
-  /// ΔE: that quantile in films that are usual.
+  /// ΔE: the quantile in usual films.
   static constexpr double kUsual = 18;
 
   /// The strength, ≥ 0, of events of `energy` in ΔE (EventMap::energy), `elapsed` frames at 30 fps

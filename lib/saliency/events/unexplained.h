@@ -14,17 +14,17 @@ namespace saliency {
 /// The part of the change between two pictures that neither the camera, nor a change of exposure,
 /// nor noise explains.
 ///
-/// The difference is compared with a model of its noise whose two terms the pictures themselves
-/// give: that of even parts, and that of texture, which grows with the gradient: a small error of
-/// the camera's motion, depth, a texture that stirs. So nothing has to decide whether the camera
-/// moves.
+/// The difference is compared with a model of its noise, whose two terms are measured in the
+/// pictures: the noise of even parts, and the misfit of texture (errors of the camera's motion,
+/// depth, moving texture), which grows with the gradient. Therefore nothing has to decide whether
+/// the camera moves.
 class Unexplained
 {
 public:
   /// Compares `now` with `then`, at a level about 100 samples wide, continuous and of one size.
-  /// `before`: where in `then` is what is at a sample of `now`.
+  /// `before` maps samples of `now` to samples of `then`.
   ///
-  /// Returns by how much ΔE exceeds the noise, in ΔE (CV_32FC1, ≥ 0); 0 where `then` did not look.
+  /// Returns the part of ΔE above the noise (CV_32FC1, ≥ 0); 0 outside of `then`.
   const cv::Mat &operator()(const LabImage &now, const LabImage &then, const Similarity &before);
 
   /// The difference at textured places in the last pictures, in samples of displacement: about .03
@@ -40,7 +40,7 @@ private:
   void find_gradients(const cv::Mat &now);
 
   std::array<cv::Mat, 3> warped_;
-  std::array<cv::Mat, 3> then_; ///< aligned with now: warped or not; NaN where it did not look
+  std::array<cv::Mat, 3> then_; ///< aligned with now: warped or not; NaN outside
   float gain_ = 1;
   float offset_ = 0;
   cv::Mat gradients_; ///< the larger of both pictures'

@@ -8,10 +8,10 @@
 
 namespace tactor {
 
-/// A board if one can be used, else the simulator; a DriverEvent says which, and why. Devices that
-/// are not known to be tactor boards are not touched (DriverConfig::asks_a_stranger). Without a
-/// board it opens at once. It fails as the board's driver does if DriverConfig::device names a
-/// board, or if the board found does not fit the settings.
+/// Opens a board if one can be used, else the simulator; a DriverEvent names it, and the reason.
+/// Devices that are not known to be tactor boards are not opened (DriverConfig::asks_a_stranger).
+/// Without a board it opens at once. It fails as the board's driver does if DriverConfig::device
+/// names a board, or if the board does not fit the settings.
 class AutoDriver : public Driver
 {
 public:

@@ -15,13 +15,13 @@ std::string describe(const SerialDevice &device);
 /// Separated by commas.
 std::string describe(const std::vector<SerialDevice> &devices);
 
-/// Which devices to probe for tactor boards.
+/// The devices to probe for tactor boards.
 struct BoardChoice
 {
   std::vector<SerialDevice> wanted;        ///< to probe first, in this order
   std::optional<SerialDevice> stranger;    ///< to probe without a reset, if none was wanted
-  std::vector<SerialDevice> passed_over{}; ///< not to be probed: each may be anything
-  bool may_lack_one = false; ///< one that was skipped was never probed: it may be the board
+  std::vector<SerialDevice> passed_over{}; ///< skipped: each may be anything
+  bool may_lack_one = false; ///< a skipped device was never probed: it may be the board
 };
 
 /// `name` is a serial number or a bus path, whose devices are wanted. If it is empty, those are

@@ -31,7 +31,8 @@ DriverError summary(const std::vector<DriverError> &refusals);
 DriverError refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices,
                             bool may_be_one);
 
-/// To be appended: the remedy with which one of these devices is probed. Empty if there is none.
+/// The remedy by which one of these devices is probed, for the end of a message. Empty if there is
+/// none.
 std::string advice(const std::vector<SerialDevice> &not_asked);
 
 /// Why a board that is back is not used. Each reason is reported once.
@@ -45,7 +46,7 @@ public:
   /// be done, and the board may boot or be on its way out.
   bool add(const DriverError &refusal);
 
-  /// Whether only a change of what is plugged in can help. Each question may reset the board.
+  /// Whether only another device can help. Each probe may reset the board.
   bool is_final() const;
 
 private:

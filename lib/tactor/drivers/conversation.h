@@ -21,7 +21,7 @@ struct ServedDevice
   std::string name;   ///< for messages
   std::string server; ///< its name and version
   int tactors = 0;
-  std::vector<std::string> motors{}; ///< what one calls each tactor
+  std::vector<std::string> motors{}; ///< name of each tactor
   Layout layout{};
   double step = 0;           ///< the smallest one of a level
   Time longest_latency{ 0 }; ///< of Conversation::latency()
@@ -69,7 +69,7 @@ public:
   /// Motors to zero. Also after a failure.
   virtual void close(Time now) = 0;
   virtual ServedDevice device() const = 0;
-  /// How long levels take to the device, as measured of late.
+  /// The time from levels to the device, as measured last.
   virtual Time latency() const = 0;
 
   State state() const

@@ -229,7 +229,7 @@ FirmataDriver::tell_no_watchdog(Lock &lock)
              + "; the seat firmware has one (docs/hardware)");
 }
 
-/// Waits until a look is due and looks for the lost board. Null if it is not there or not usable.
+/// Waits until a search is due and searches for the lost board. Null: missing or not usable.
 std::unique_ptr<SerialPort>
 FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
 {

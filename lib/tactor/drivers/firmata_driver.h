@@ -25,8 +25,8 @@ namespace tactor {
 ///
 /// Without DriverConfig::device the first board that answers is taken. Only those devices are
 /// touched that choose_boards() names, in that order, each for FirmataPatience::answer at most;
-/// those that another program has open are skipped. The results of probes are remembered. A
-/// lost board is looked for whenever something is plugged in or out, and every `look_again`;
+/// those that another program has open are skipped. The results of probes are remembered. A lost
+/// board is searched for whenever a device is plugged in or out, and every `look_again`;
 /// BoardIdentity recognizes it.
 ///
 /// If a signal or exit() ends the process while a board is open, the motors are stopped first: see
@@ -107,7 +107,7 @@ private:
   std::optional<std::string> lost_;       ///< why the port is unusable
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
-  std::optional<BoardIdentity> identity_; ///< of that
+  std::optional<BoardIdentity> identity_; ///< of device_
   std::uint64_t bytes_before_ = 0;        ///< sent to boards before board_
   // The values of the first board stay after a reconnection
   double resolution_ = 0;

@@ -213,7 +213,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
                + (all.empty()
                       ? ""
                       : "; another is chosen by device=PATH or device=NAME: " + describe(all)));
-      // Its effects last for SDL_MAX_RUMBLE_DURATION_MS: SDL itself ends them earlier.
+      // Effects of the kernel last for SDL_MAX_RUMBLE_DURATION_MS; SDL itself ends them earlier.
       tell(lock, DriverEvent::Kind::warning,
            describe(gamepad_)
                + " has no watchdog: motors run on for up to 65 s if this computer hangs or the "
@@ -231,7 +231,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
   return tl::unexpected(refusal);
 }
 
-/// Waits and looks for the lost gamepad. Null if it is not there or not usable.
+/// Waits and searches for the lost gamepad. Null if it is missing or not usable.
 std::unique_ptr<GamepadPort>
 GamepadDriver::connect_again(Lock &lock, Gamepads &gamepads)
 {

@@ -16,8 +16,8 @@ namespace tactor {
 /// are in the left and right trigger where they are to be had.
 ///
 /// DriverConfig::device is the gamepad's path or name. Without it the first one with motors is
-/// taken that no other driver of the process has. A gamepad that went away is looked for every
-/// `look_again` by its name and maker.
+/// taken that no other driver of the process has. A lost gamepad is searched for every
+/// `look_again`, by its name and maker.
 ///
 /// Each rumble has a duration (RumbleTimes), after which SDL ends it, as long as the process runs:
 /// the gamepad itself has no watchdog. A thread of the driver has the

@@ -64,9 +64,9 @@ public:
 
 using MakeGamepads = std::function<tl::expected<std::unique_ptr<Gamepads>, DriverError>()>;
 
-/// Those of SDL. It is a module that is loaded by this call, as SDL is large: a process that plays
-/// on a board does not load it. The module is searched in $VISUOTACTILE_MODULES, by default where
-/// it is installed.
+/// The gamepads of SDL, in a module that this call loads, as SDL is large: a process that plays on
+/// a board does not load it. The module is searched in $VISUOTACTILE_MODULES, by default where it
+/// is installed.
 tl::expected<std::unique_ptr<Gamepads>, DriverError> make_sdl_gamepads();
 
 } // namespace tactor

@@ -34,7 +34,7 @@ line_of(const SerialDevice &device)
   return line.size() > kLongestLine || line.find('\n') != std::string::npos ? "" : line;
 }
 
-/// Likewise of one that is no tactor board.
+/// The line of a device that is no tactor board.
 std::string
 refusal_of(const SerialDevice &device)
 {

@@ -19,7 +19,7 @@ public:
   /// Least recently used ones beyond this many are dropped.
   static constexpr std::size_t kMost = 64;
 
-  /// An empty path: nothing is remembered.
+  /// An empty path: nothing is stored.
   explicit KnownBoards(std::filesystem::path file);
 
   /// $XDG_STATE_HOME/visuotactile/boards, by default in ~/.local/state; empty without either.

@@ -14,7 +14,7 @@ struct SocketEvent
     none,    ///< the time is up, or wake() was called
     opened,  ///< once, before all others
     message, ///< from the server
-    closed,  ///< or not opened; the last one
+    closed,  ///< closed or not opened; the last event
   };
 
   Kind kind = Kind::none;

@@ -13,7 +13,7 @@
 
 namespace tactor {
 
-/// A program that drives devices, and how to talk to it.
+/// A program that drives devices, and the connection to it.
 struct Server
 {
   std::string name; ///< for messages: "Intiface at 127.0.0.1:12345"
@@ -25,9 +25,9 @@ struct Server
 /// Finds the server for a DriverConfig::device, which may end with "@HOST" or "@HOST:PORT".
 using MakeServer = std::function<tl::expected<Server, DriverError>(const std::string &device)>;
 
-/// By WebSocket and JSON. They are in a module that is loaded by these calls, as it needs large
-/// libraries: a process that plays on a board does not load it. The module is searched in
-/// $VISUOTACTILE_MODULES, by default where it is installed.
+/// Servers by WebSocket and JSON, in a module that these calls load, as it needs large libraries: a
+/// process that plays on a board does not load it. The module is searched in $VISUOTACTILE_MODULES,
+/// by default where it is installed.
 tl::expected<Server, DriverError> make_bhaptics_server(const std::string &device);
 tl::expected<Server, DriverError> make_intiface_server(const std::string &device);
 

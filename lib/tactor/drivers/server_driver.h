@@ -16,10 +16,10 @@ class RealtimeThread;
 /// Devices behind a server, such as a vest behind bHaptics Player.
 ///
 /// open() loads the module, connects and queries the device. From then on a thread has server and
-/// socket; write() leaves the newest levels to it. A server that goes away, or does what it should
-/// not, is looked for again, the longer the later. Levels are zero once write() was not called for
-/// Settings::host_silence while one was on. A device that another driver of the process has, also
-/// while it is lost, is refused.
+/// socket; write() leaves the newest levels to it. After a server has gone away or broken the
+/// protocol, the thread connects again, at growing intervals. Levels are zero once write() was not
+/// called for Settings::host_silence while one was on. A device that another driver of the process
+/// has, also while it is lost, is refused.
 class ServerDriver : public ThreadedDriver
 {
 public:
@@ -28,8 +28,8 @@ public:
     Time answer = std::chrono::seconds(5); ///< for the connection to be open
     Time host_silence = std::chrono::milliseconds(250);
     Time refresh = std::chrono::milliseconds(80); ///< how often write() is called while one is on
-    /// Until a lost server is looked for. Doubles up to the longest, and begins anew after a
-    /// connection that lasted longer than that.
+    /// Pause before a lost server is searched for. Doubles up to the longest, and begins anew after
+    /// a connection that lasted longer than that.
     Time look_again = std::chrono::seconds(1);
     Time longest_look_again = std::chrono::seconds(16);
     /// A server that sends more messages than these in a second is left.

@@ -34,7 +34,7 @@ public:
     if (lost_)
       return false;
     if (!std::exchange(is_writing_, true)) {
-      // Its last host may have been cut off within a message.
+      // The last host of the board may have been cut off within a message.
       const std::vector<std::uint8_t> bytes
           = firmata::Encoder().end_sysex().reset().ask_version().bytes();
       lock.unlock();

@@ -8,8 +8,8 @@ namespace tactor {
 
 namespace {
 
-/// Its types have the names of libsoup 3's, which the module is linked with: a process can only
-/// have one of them.
+/// libsoup 2 has types of the same names as libsoup 3, with which the module is linked: a process
+/// can only have one of them.
 bool
 has_libsoup_2()
 {

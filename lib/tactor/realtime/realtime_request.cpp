@@ -204,7 +204,7 @@ limit_time(rlim_t most)
   return {};
 }
 
-/// Requests it of a service. Returns who granted it and on what terms, in words.
+/// Requests real-time priority from a service. Returns the service and its terms, in words.
 Result<std::string>
 request(const Service &service, GCancellable *cancellable, pid_t thread, int priority)
 {

@@ -12,7 +12,8 @@ struct UsbPatience
   std::chrono::milliseconds request{ 1000 };
   /// For a write. The longest one takes 89 ms on the line.
   std::chrono::milliseconds write{ 1000 };
-  /// Between two looks at what is plugged in, while watched. With udevd a change is seen at once.
+  /// Time between two lists of the plugged devices, while they are watched. With udevd, changes are
+  /// reported at once.
   std::chrono::milliseconds look{ 1000 };
 };
 

@@ -4,9 +4,11 @@
 #include "tracks/formats/decimal.h"
 #include "tracks/formats/json_document.h"
 #include "tracks/formats/level_curves.h"
+#include "tracks/formats/pitch.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,12 +21,19 @@ constexpr std::int64_t kStepLength = 1000;
 constexpr double kTransient = 0.030; ///< s
 constexpr auto kLongestEvent = std::chrono::seconds(30);
 
+using Points = std::vector<LevelCurves::Point>;
+
 /// A value of the pattern over time: linear between points, constant before and after them.
 class Control
 {
 public:
-  /// Takes over from what is there at the first point's time.
-  void add(const std::vector<LevelCurves::Point> &points)
+  /// `otherwise` holds before the first point.
+  explicit Control(double otherwise) : otherwise_(otherwise)
+  {
+  }
+
+  /// Continues from the level at the first point's time.
+  void add(const Points &points)
   {
     if (points.empty())
       return;
@@ -39,7 +48,7 @@ public:
   {
     const auto after = std::ranges::upper_bound(points_, position, {}, position_of);
     if (after == points_.begin())
-      return 1;
+      return otherwise_;
     const LevelCurves::Point &from = after[-1];
     if (after == points_.end() || after->position == from.position)
       return from.level;
@@ -49,15 +58,14 @@ public:
                  / static_cast<double>(after->position - from.position);
   }
 
-  /// The points of an event, with its intensity.
-  std::vector<LevelCurves::Point> within(std::int64_t begin, std::int64_t end,
-                                         double intensity) const
+  /// The points of an event.
+  Points within(std::int64_t begin, std::int64_t end) const
   {
-    std::vector<LevelCurves::Point> points{ { begin, at(begin) * intensity } };
+    Points points{ { begin, at(begin) } };
     for (auto i = std::ranges::upper_bound(points_, begin, {}, position_of);
          i != points_.end() && i->position < end; ++i)
-      points.push_back({ i->position, i->level * intensity });
-    points.push_back({ end, before(end) * intensity });
+      points.push_back(*i);
+    points.push_back({ end, before(end) });
     return points;
   }
 
@@ -74,7 +82,8 @@ private:
     return here != points_.end() && here->position == position ? here->level : at(position);
   }
 
-  std::vector<LevelCurves::Point> points_;
+  double otherwise_;
+  Points points_;
 };
 
 struct Event
@@ -82,6 +91,7 @@ struct Event
   std::int64_t begin;
   std::int64_t end;
   double intensity;
+  std::optional<double> sharpness;
 };
 
 class Reader
@@ -104,22 +114,31 @@ public:
       else if (each.has("Parameter"))
         read_parameter(each.object("Parameter"));
     }
-    std::ranges::stable_sort(controls_, {},
-                             [](const auto &points) { return points.front().position; });
-    Control control;
-    for (const auto &points : controls_)
-      control.add(points);
+    const Control intensity = joined(intensities_, 1);
+    const Control sharpness = joined(sharpnesses_, 0);
+    std::ranges::stable_sort(events_, {}, &Event::begin);
     LevelCurves curves(kTicks, kStepLength);
     std::size_t used = 0;
+    const auto check = [&](const tl::expected<void, FormatError> &added) {
+      if (!added)
+        root.fail(added.error().reason);
+    };
     for (const Event &event : events_) {
       if (error_)
         break;
-      const auto points = control.within(event.begin, event.end, event.intensity);
-      used += points.size();
+      Points points = intensity.within(event.begin, event.end);
+      for (LevelCurves::Point &point : points)
+        point.level *= event.intensity;
+      Points pitches = sharpness.within(event.begin, event.end);
+      for (LevelCurves::Point &point : pitches)
+        point.level = event.sharpness ? frequency_of(*event.sharpness + point.level) : 0;
+      used += points.size() + pitches.size();
       if (used > 2 * Track::kMaxEntries)
         root.fail("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
-      else if (const auto added = curves.add(0, points); !added)
-        root.fail(added.error().reason);
+      else
+        check(curves.add(0, points));
+      for (std::size_t i = 1; i < pitches.size() && is_sharp_ && !error_; i++)
+        check(curves.set_frequency(pitches[i - 1], pitches[i]));
     }
     if (error_)
       return std::move(error_).unless_set(Track());
@@ -137,9 +156,19 @@ private:
     return 0;
   }
 
-  static double value(const JsonMembers &of, double otherwise)
+  static double value(const JsonMembers &of, double otherwise, double least = 0)
   {
-    return std::clamp(of.number("ParameterValue", otherwise), 0.0, 1.0);
+    return std::clamp(of.number("ParameterValue", otherwise), least, 1.0);
+  }
+
+  static Control joined(std::vector<Points> &curves, double otherwise)
+  {
+    std::ranges::stable_sort(curves, {},
+                             [](const Points &points) { return points.front().position; });
+    Control control(otherwise);
+    for (const Points &points : curves)
+      control.add(points);
+    return control;
   }
 
   static bool is(const JsonMembers &of, const char *name, std::string_view word)
@@ -154,42 +183,64 @@ private:
     if (!is_transient && !is(event, "EventType", "HapticContinuous"))
       return ignore("the sounds");
     double intensity = 1;
+    std::optional<double> sharpness;
     const std::size_t count = event.has("EventParameters") ? event.size("EventParameters") : 0;
     for (std::size_t i = 0; i < count; i++) {
       const JsonMembers each = event.element("EventParameters", i);
       if (is(each, "ParameterID", "HapticIntensity"))
         intensity = value(each, 1);
+      else if (is(each, "ParameterID", "HapticSharpness"))
+        sharpness = value(each, 0);
       else
-        ignore(is(each, "ParameterID", "HapticSharpness") ? "the sharpness" : "events' envelopes");
+        ignore("events' envelopes");
     }
+    is_sharp_ = is_sharp_ || sharpness.value_or(0) > 0;
     const std::int64_t begin = ticks(event, "Time");
     const std::int64_t end = is_transient ? begin + std::llround(kTransient * kTicks)
                                           : ticks(event, "EventDuration", begin);
     if (end > begin)
-      events_.push_back({ begin, end, intensity });
+      events_.push_back({ begin, end, intensity, sharpness });
+  }
+
+  /// The curves of a parameter; null after a loss.
+  std::vector<Points> *curves_of(const JsonMembers &parameter)
+  {
+    if (is(parameter, "ParameterID", "HapticIntensityControl"))
+      return &intensities_;
+    if (is(parameter, "ParameterID", "HapticSharpnessControl"))
+      return &sharpnesses_;
+    ignore("parameters other than intensity and sharpness");
+    return nullptr;
+  }
+
+  /// A point of a curve; the control of the sharpness is an offset.
+  LevelCurves::Point point(const JsonMembers &of, std::int64_t after, const std::vector<Points> &in)
+  {
+    const bool is_offset = &in == &sharpnesses_;
+    const double level = value(of, is_offset ? 0 : 1, is_offset ? -1 : 0);
+    is_sharp_ = is_sharp_ || (is_offset && level != 0);
+    return { ticks(of, "Time", after), level };
   }
 
   void read_curve(const JsonMembers &curve)
   {
-    if (!is(curve, "ParameterID", "HapticIntensityControl"))
-      return ignore("parameters other than the intensity");
+    std::vector<Points> *curves = curves_of(curve);
+    if (!curves)
+      return;
     const std::int64_t begin = ticks(curve, "Time");
-    std::vector<LevelCurves::Point> points;
+    Points points;
     const std::size_t count = curve.size("ParameterCurveControlPoints");
-    for (std::size_t i = 0; i < count && !error_; i++) {
-      const JsonMembers each = curve.element("ParameterCurveControlPoints", i);
-      points.push_back({ ticks(each, "Time", begin), value(each, 1) });
-    }
+    for (std::size_t i = 0; i < count && !error_; i++)
+      points.push_back(point(curve.element("ParameterCurveControlPoints", i), begin, *curves));
     std::ranges::stable_sort(points, {}, &LevelCurves::Point::position);
     if (!points.empty())
-      controls_.push_back(std::move(points));
+      curves->push_back(std::move(points));
   }
 
   void read_parameter(const JsonMembers &parameter)
   {
-    if (!is(parameter, "ParameterID", "HapticIntensityControl"))
-      return ignore("parameters other than the intensity");
-    controls_.push_back({ { ticks(parameter, "Time"), value(parameter, 1) } });
+    if (std::vector<Points> *curves = curves_of(parameter))
+      curves->push_back({ point(parameter, 0, *curves) });
   }
 
   void ignore(const char *part)
@@ -200,7 +251,9 @@ private:
 
   std::vector<std::string> &ignored_;
   std::vector<Event> events_;
-  std::vector<std::vector<LevelCurves::Point>> controls_;
+  std::vector<Points> intensities_;
+  std::vector<Points> sharpnesses_; ///< offsets
+  bool is_sharp_ = false;           ///< any sharpness is above 0
   FirstError error_;
 };
 
@@ -214,6 +267,8 @@ write_ahap(const Track &track)
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++) {
     const float level = std::ranges::max(entries[i].map.levels);
+    const float frequency = entries[i].map.frequency;
+    const std::string sharpness = frequency > 0 ? decimal(pitch_of(frequency)) : "0.0";
     const Time end = i + 1 < entries.size() ? entries[i + 1].time : track.end();
     auto begin = std::chrono::floor<std::chrono::milliseconds>(entries[i].time);
     auto left = std::chrono::floor<std::chrono::milliseconds>(end) - begin;
@@ -223,7 +278,7 @@ write_ahap(const Track &track)
               + ",\"EventType\":\"HapticContinuous\",\"EventDuration\":" + seconds(length)
               + ",\"EventParameters\":[{\"ParameterID\":\"HapticIntensity\",\"ParameterValue\":"
               + decimal(level)
-              + "},{\"ParameterID\":\"HapticSharpness\",\"ParameterValue\":0.0}]}}";
+              + "},{\"ParameterID\":\"HapticSharpness\",\"ParameterValue\":" + sharpness + "}]}}";
       separator = ",\n";
       begin += length;
       left -= length;

@@ -30,7 +30,7 @@ append_number(std::string &text, Number number)
 }
 
 void
-append_line(std::string &text, Time time, const TactileMap &map)
+append_line(std::string &text, Time time, const TactileMap &map, bool has_frequency)
 {
   append_number(text, time.count() / kNsPerMs);
   if (const Time::rep ns = time.count() % kNsPerMs; ns != 0) {
@@ -41,6 +41,10 @@ append_line(std::string &text, Time time, const TactileMap &map)
   for (const float level : map.levels) {
     text += ',';
     append_number(text, level);
+  }
+  if (has_frequency) {
+    text += ',';
+    append_number(text, map.frequency);
   }
   text += '\n';
 }
@@ -85,14 +89,14 @@ parse_time(std::string_view field, Time &time)
 }
 
 std::string
-column_names(std::size_t tactors)
+column_names(std::size_t tactors, bool has_frequency)
 {
   std::string names = "time_ms";
   for (std::size_t i = 0; i < tactors; i++) {
     names += ",t";
     append_number(names, i);
   }
-  return names;
+  return has_frequency ? names + ",hz" : names;
 }
 
 /// Removes trailing commas, with which spreadsheets fill up short lines.
@@ -111,7 +115,7 @@ wrong(std::size_t line, std::string reason)
 }
 
 tl::expected<Track, FormatError>
-read_header(LineReader &lines)
+read_header(LineReader &lines, bool &has_frequency)
 {
   if (!lines.next() || !lines.line().starts_with("# tactile "))
     return wrong(1, "expected '# tactile grid=ROWSxCOLUMNS'");
@@ -123,16 +127,19 @@ read_header(LineReader &lines)
   Track track(header->grid->rows, header->grid->columns);
   track.set_rate(header->rate);
   const std::size_t tactors = track.entries().front().map.levels.size();
-  if (!lines.next() || lines.line() != column_names(tactors))
+  const bool has_names = lines.next();
+  has_frequency = has_names && lines.line() == column_names(tactors, true);
+  if (!has_frequency && !(has_names && lines.line() == column_names(tactors, false)))
     return wrong(2, "expected the columns time_ms and t0 to t" + std::to_string(tactors - 1)
-                        + ", separated by commas");
+                        + ", perhaps hz, separated by commas");
   return track;
 }
 
-/// Parses the fields after the time into `levels`.
+/// Parses the fields after the time.
 tl::expected<void, FormatError>
-read_levels(std::string_view line, std::size_t number, std::vector<float> &levels)
+read_map(std::string_view line, std::size_t number, bool has_frequency, TactileMap &map)
 {
+  std::vector<float> &levels = map.levels;
   for (float &level : levels) {
     const std::string_view field = take_field(line);
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), level);
@@ -140,6 +147,15 @@ read_levels(std::string_view line, std::size_t number, std::vector<float> &level
       return wrong(number, "expected " + std::to_string(levels.size())
                                + " levels from 0 to 1, got '" + std::string(field.substr(0, 20))
                                + "'");
+  }
+  if (has_frequency) {
+    const std::string_view field = take_field(line);
+    const auto [end, error]
+        = std::from_chars(field.data(), field.data() + field.size(), map.frequency);
+    if (error != std::errc() || end != field.data() + field.size()
+        || !(map.frequency == 0 || (map.frequency >= 1 && map.frequency <= kHighestFrequency)))
+      return wrong(number, "expected a frequency from 1 to 1000 Hz, or 0, got '"
+                               + std::string(field.substr(0, 20)) + "'");
   }
   if (!without_trailing_commas(line).empty())
     return wrong(number, "more levels than the grid has cells");
@@ -153,11 +169,12 @@ write_csv(const Track &track)
 {
   std::string text
       = "# tactile " + write_grid({ track.rows(), track.columns() }, track.rate()) + "\n";
-  text += column_names(track.entries().front().map.levels.size()) + "\n";
+  const bool tuned = has_frequency(track);
+  text += column_names(track.entries().front().map.levels.size(), tuned) + "\n";
   for (const Track::Entry &entry : track.entries())
     if (entry.time < track.end())
-      append_line(text, entry.time, entry.map);
-  append_line(text, track.end(), TactileMap(track.rows(), track.columns()));
+      append_line(text, entry.time, entry.map, tuned);
+  append_line(text, track.end(), TactileMap(track.rows(), track.columns()), tuned);
   return text;
 }
 
@@ -165,7 +182,8 @@ tl::expected<Track, FormatError>
 read_csv(std::string_view text)
 {
   LineReader lines(text);
-  tl::expected<Track, FormatError> track = read_header(lines);
+  bool tuned = false;
+  tl::expected<Track, FormatError> track = read_header(lines, tuned);
   if (!track)
     return track;
   TactileMap map(track->rows(), track->columns());
@@ -179,7 +197,7 @@ read_csv(std::string_view text)
       return wrong(lines.number(), "expected a time in milliseconds, up to 100 hours");
     if (time <= previous)
       return wrong(lines.number(), "the time is not after that of the line before");
-    if (const auto read = read_levels(line, lines.number(), map.levels); !read)
+    if (const auto read = read_map(line, lines.number(), tuned, map); !read)
       return tl::unexpected(read.error());
     if (const auto appended = track->append(time, map); !appended)
       return wrong(lines.number(), appended.error().reason);

@@ -49,20 +49,43 @@ chosen_axis(const JsonMembers &root, bool &is_one_of_many)
   return axes.empty() ? root : axes.front();
 }
 
+/// "[…]"
+std::string
+actions_of(const Track &track, bool is_inverted)
+{
+  std::string text = "[";
+  const StepCurve curve = strongest_cell(track, 100);
+  for (const StepCurve::Point &point : curve.points()) {
+    if (&point != &curve.points().front())
+      text += ',';
+    const long position = std::lround(point.value);
+    text += "\n{\"at\":" + std::to_string(point.position)
+            + ",\"pos\":" + std::to_string(is_inverted ? 100 - position : position) + "}";
+  }
+  return text + "\n]";
+}
+
 } // namespace
 
 std::string
 write_funscript(const Track &track)
 {
-  const StepCurve curve = strongest_cell(track, 100);
-  std::string text = "{\"version\":\"1.0\",\"inverted\":false,\"range\":100,\"actions\":[";
-  for (const StepCurve::Point &point : curve.points()) {
-    if (&point != &curve.points().front())
-      text += ',';
-    text += "\n{\"at\":" + std::to_string(point.position)
-            + ",\"pos\":" + std::to_string(std::lround(point.value)) + "}";
-  }
-  return text + "\n]}\n";
+  return "{\"version\":\"1.0\",\"inverted\":false,\"range\":100,\"actions\":"
+         + actions_of(track, false) + "}\n";
+}
+
+tl::expected<std::string, FormatError>
+funscript_with(std::string_view text, const Track &track)
+{
+  return JsonDocument::parse(text).and_then(
+      [&](const JsonDocument &document) -> tl::expected<std::string, FormatError> {
+        FirstError error;
+        const JsonMembers root = document.root(error);
+        bool is_one_of_many = false;
+        const JsonMembers axis = chosen_axis(root, is_one_of_many);
+        axis.set("actions", actions_of(track, root.flag("inverted", false)));
+        return std::move(error).unless_set(document.text());
+      });
 }
 
 tl::expected<Track, FormatError>

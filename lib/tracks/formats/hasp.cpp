@@ -61,9 +61,8 @@ read_hasp(std::string_view text, const std::string &name, std::vector<std::strin
   if (!names.empty())
     ignored.push_back(std::string(names.size() == 1 ? "the clip " : "the clips ") + list(names));
   const std::string haptic = root.element("clips", index).json("haptic");
-  return read_haptic(haptic, ignored).map_error([&](FormatError wrong) {
-    return std::move(wrong).within(place);
-  });
+  return read_haptic(haptic).map_error(
+      [&](FormatError wrong) { return std::move(wrong).within(place); });
 }
 
 } // namespace tactile

@@ -132,6 +132,7 @@ private:
       effect.fail("only effects of type Basis can be a track");
     const double position = effect.number("position", 0);
     std::vector<LevelCurves::Point> points;
+    std::vector<LevelCurves::Point> frequencies;
     const std::size_t count = effect.size("keyframes");
     for (std::size_t k = 0; k < count && !error_; k++) {
       const JsonMembers keyframe = effect.element("keyframes", k);
@@ -139,17 +140,34 @@ private:
       if (!(at >= 0 && at <= curves_.latest()) || at != std::floor(at))
         keyframe.fail("expected a whole position within 100 hours");
       // A keyframe of a wave may set its frequency only.
-      if (error_ || !keyframe.has("amplitude_modulation"))
+      if (!error_ && keyframe.has("frequency_modulation")) {
+        const double frequency = keyframe.number("frequency_modulation");
+        if (!(frequency >= 0 && frequency <= static_cast<double>(kHighestFrequency)))
+          keyframe.fail("expected a frequency from 0 to 1000 Hz");
+        else if (has_order(keyframe, frequencies, at))
+          frequencies.push_back({ static_cast<std::int64_t>(at), frequency });
+      }
+      if (error_ || !keyframe.has("amplitude_modulation") || !has_order(keyframe, points, at))
         continue;
       points.push_back({ static_cast<std::int64_t>(at),
                          std::min(std::abs(keyframe.number("amplitude_modulation") * gain), 1.0) });
-      if (points.size() > 1 && points.end()[-2].position > points.back().position)
-        keyframe.fail("the position is before that of the keyframe before");
     }
     if (error_)
       return;
     if (auto added = curves_.add(channel, points); !added)
       effect.fail(added.error().reason);
+    for (std::size_t i = 1; i < frequencies.size() && !error_; i++)
+      if (auto set = curves_.set_frequency(frequencies[i - 1], frequencies[i]); !set)
+        effect.fail(set.error().reason);
+  }
+
+  static bool has_order(const JsonMembers &keyframe, const std::vector<LevelCurves::Point> &points,
+                        double at)
+  {
+    const bool follows = points.empty() || static_cast<double>(points.back().position) <= at;
+    if (!follows)
+      keyframe.fail("the position is before that of the keyframe before");
+    return follows;
   }
 
   Grid grid_;

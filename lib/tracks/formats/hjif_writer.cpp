@@ -112,8 +112,11 @@ private:
     add_empty("vertices");
     begin_array("bands");
     begin_object();
-    add("band_type", "Curve");
-    add("curve_type", "Linear");
+    // Only waves have a frequency.
+    const bool tuned = has_frequency(track);
+    add("band_type", tuned ? "VectorialWave" : "Curve");
+    if (!tuned)
+      add("curve_type", "Linear");
     // The reference software accepts integers only.
     add("lower_frequency_limit", 0);
     add("upper_frequency_limit", 1000);
@@ -123,6 +126,10 @@ private:
     // A single effect at 0: the reference synthesizer renders effects at later positions as
     // silence.
     add("position", 0);
+    if (tuned) {
+      add("phase", 0.0);
+      add("base_signal", "Sine");
+    }
     add_keyframes(track, row, column);
     end_object();
     end_array();
@@ -136,18 +143,36 @@ private:
     const auto position = [](Time time) {
       return std::chrono::floor<std::chrono::milliseconds>(time).count();
     };
-    StepCurve curve;
-    for (const Track::Entry &entry : track.entries())
-      curve.step(position(entry.time), static_cast<double>(entry.map.at(row, column)));
-    curve.finish(position(track.end()));
+    StepCurve levels;
+    StepCurve frequencies; // a map without one has that of the map before
+    for (const Track::Entry &entry : track.entries()) {
+      levels.step(position(entry.time), static_cast<double>(entry.map.at(row, column)));
+      if (entry.map.frequency > 0)
+        frequencies.step(frequencies.points().empty() ? 0 : position(entry.time),
+                         static_cast<double>(entry.map.frequency));
+    }
+    levels.finish(position(track.end()));
+    frequencies.hold(position(track.end()));
     begin_array("keyframes");
-    for (const StepCurve::Point &point : curve.points()) {
-      begin_object();
-      add("relative_position", point.position);
-      add("amplitude_modulation", point.value);
-      end_object();
+    auto next = frequencies.points().begin();
+    for (const StepCurve::Point &point : levels.points()) {
+      for (; next != frequencies.points().end() && next->position < point.position; ++next)
+        add_keyframe(next->position, nullptr, &next->value);
+      const bool both = next != frequencies.points().end() && next->position == point.position;
+      add_keyframe(point.position, &point.value, both ? &(next++)->value : nullptr);
     }
     end_array();
+  }
+
+  void add_keyframe(std::int64_t position, const double *amplitude, const double *frequency)
+  {
+    begin_object();
+    add("relative_position", position);
+    if (amplitude)
+      add("amplitude_modulation", *amplitude);
+    if (frequency)
+      add("frequency_modulation", *frequency);
+    end_object();
   }
 
   void add_vector(int x, int y, int z)

@@ -13,14 +13,16 @@ constexpr int kDeepest = 64; ///< nesting of arrays and objects
 constexpr std::size_t kMostContainers = 2'000'000;
 constexpr std::size_t kMostValues = 8'000'000;
 
+/// Blanks a comma after the last element, as Apple's AHAP files have it.
 tl::expected<void, FormatError>
-check_structure(std::string_view text)
+check_structure(std::string &text)
 {
   bool in_string = false;
   int depth = 0;
   std::size_t containers = 0;
   std::size_t values = 0;
   std::size_t line = 1;
+  std::size_t last = 0; // that is no white space
   const auto wrong = [&line](std::string reason) {
     return tl::unexpected(FormatError::at_line(line, std::move(reason)));
   };
@@ -41,12 +43,16 @@ check_structure(std::string_view text)
       containers++;
     } else if (c == ']' || c == '}') {
       depth--;
+      if (text[last] == ',')
+        text[last] = ' ';
     } else if (c == ',') {
       values++;
     } else if (!g_ascii_isspace(c) && !g_ascii_isalnum(c)
                && std::string_view(":+-.").find(c) == std::string_view::npos) {
       return wrong("this is no JSON");
     }
+    if (!g_ascii_isspace(c))
+      last = i;
     if (containers > kMostContainers || values > kMostValues)
       return wrong("more than " + std::to_string(kMostContainers) + " objects or "
                    + std::to_string(kMostValues) + " values");
@@ -191,6 +197,13 @@ JsonMembers::names() const
   return names;
 }
 
+void
+JsonMembers::set(const char *name, const std::string &json) const
+{
+  if (object_)
+    json_object_set_member(object_, name, json_from_string(json.c_str(), nullptr));
+}
+
 JsonNode *
 JsonMembers::member(const char *name) const
 {
@@ -218,13 +231,14 @@ JsonDocument::parse(std::string_view text)
 {
   if (text.starts_with("\xEF\xBB\xBF"))
     text.remove_prefix(3);
-  if (const auto checked = check_structure(text); !checked)
+  std::string plain(text);
+  if (const auto checked = check_structure(plain); !checked)
     return tl::unexpected(checked.error());
   JsonDocument document;
   document.parser_.reset(json_parser_new());
   g_autoptr(GError) error = nullptr;
-  if (!json_parser_load_from_data(document.parser_.get(), text.data(),
-                                  static_cast<gssize>(text.size()), &error))
+  if (!json_parser_load_from_data(document.parser_.get(), plain.data(),
+                                  static_cast<gssize>(plain.size()), &error))
     return tl::unexpected(FormatError{ .place = "document", .reason = error->message });
   return document;
 }
@@ -233,6 +247,13 @@ JsonMembers
 JsonDocument::root(FirstError &error) const
 {
   return { json_parser_get_root(parser_.get()), "", error };
+}
+
+std::string
+JsonDocument::text() const
+{
+  g_autofree char *text = json_to_string(json_parser_get_root(parser_.get()), FALSE);
+  return std::string(text) + "\n";
 }
 
 } // namespace tactile

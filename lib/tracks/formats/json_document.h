@@ -42,6 +42,9 @@ public:
   JsonMembers element(const char *name, std::size_t index) const;
   std::vector<std::string> names() const;
 
+  /// Sets a member to a value, which is a valid JSON text.
+  void set(const char *name, const std::string &json) const;
+
 private:
   JsonNode *member(const char *name) const;
   JsonArray *array(const char *name) const;
@@ -62,6 +65,9 @@ public:
 
   /// The object at the top.
   JsonMembers root(FirstError &error) const;
+
+  /// The document, with the values that were set.
+  std::string text() const;
 
 private:
   struct Unref

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,32 @@ wrong(std::string reason)
   return tl::unexpected(FormatError{ .place = {}, .reason = std::move(reason) });
 }
 
+/// The track with a frequency for each map, or the part of one, that is felt.
+tl::expected<Track, FormatError>
+tuned(const Track &track, const std::map<Time, float> &frequencies)
+{
+  Track result(track.rows(), track.columns());
+  auto next = frequencies.begin();
+  float frequency = 0;
+  const auto &entries = track.entries();
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    TactileMap map = entries[i].map;
+    const Time end = i + 1 < entries.size() ? entries[i + 1].time : track.end();
+    for (; next != frequencies.end() && next->first <= entries[i].time; ++next)
+      frequency = next->second;
+    map.frequency = frequency;
+    auto appended = result.append(entries[i].time, map);
+    for (; appended && next != frequencies.end() && next->first < end; ++next) {
+      map.frequency = frequency = next->second;
+      appended = result.append(next->first, map);
+    }
+    if (!appended)
+      return tl::unexpected(std::move(appended.error()));
+  }
+  (void)result.set_end(track.end());
+  return result;
+}
+
 } // namespace
 
 LevelCurves::LevelCurves(double ticks_per_second, std::int64_t step_length)
@@ -25,14 +52,17 @@ LevelCurves::LevelCurves(double ticks_per_second, std::int64_t step_length)
 {
 }
 
+Time
+LevelCurves::time_of(std::int64_t position) const
+{
+  return Time(std::llround(static_cast<double>(position) * 1e9 / ticks_per_second_));
+}
+
 void
 LevelCurves::change(std::int64_t position, std::size_t channel, double level)
 {
-  const double nanoseconds = static_cast<double>(position) * 1e9 / ticks_per_second_;
-  changes_.push_back({ .time = Time(std::llround(nanoseconds)),
-                       .channel = channel,
-                       .curve = curves_,
-                       .level = level });
+  changes_.push_back(
+      { .time = time_of(position), .channel = channel, .curve = curves_, .level = level });
 }
 
 double
@@ -79,6 +109,30 @@ LevelCurves::add(std::size_t channel, std::span<const Point> points)
   return {};
 }
 
+tl::expected<void, FormatError>
+LevelCurves::set_frequency(const Point &from, const Point &to)
+{
+  const Time begin = time_of(from.position);
+  const Time end = time_of(to.position);
+  if (begin >= end)
+    return {};
+  const auto next = frequencies_.upper_bound(end);
+  const float after = next == frequencies_.begin() ? 0 : std::prev(next)->second;
+  frequencies_.erase(frequencies_.lower_bound(begin), next);
+  const bool holds = from.level == to.level || to.position - from.position <= step_length_;
+  const Time step = holds ? end - begin : kRampStep;
+  for (Time at = begin; at < end; at += step) {
+    const Time middle = (at + std::min(at + step, end)) / 2;
+    const double part = holds ? 1 : std::chrono::duration<double>(middle - begin) / (end - begin);
+    const double frequency = std::lerp(from.level, to.level, part);
+    frequencies_[at] = frequency < 1 ? 0 : static_cast<float>(frequency);
+    if (frequencies_.size() > Track::kMaxEntries)
+      return wrong("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
+  }
+  frequencies_.emplace(end, after);
+  return {};
+}
+
 tl::expected<Track, FormatError>
 LevelCurves::join(Track track, std::span<const std::vector<std::size_t>> cells)
 {
@@ -114,7 +168,7 @@ LevelCurves::join(Track track, std::span<const std::vector<std::size_t>> cells)
   }
   if (auto ended = track.set_end(changes_.empty() ? Time(0) : changes_.back().time); !ended)
     return tl::unexpected(std::move(ended.error()));
-  return track;
+  return frequencies_.empty() ? std::move(track) : tuned(track, frequencies_);
 }
 
 tl::expected<Track, FormatError>

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,10 @@ public:
   /// [0, Track::kMaxEnd] and beyond Track::kMaxEntries changes.
   tl::expected<void, FormatError> add(std::size_t channel, std::span<const Point> points);
 
+  /// Sets the frequency from one point to another, whose `level` is one in Hz; 0: none. It is
+  /// linear between them, in steps of 20 ms. Later calls win.
+  tl::expected<void, FormatError> set_frequency(const Point &from, const Point &to);
+
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
   /// It ends where the last curve does.
   tl::expected<Track, FormatError> join(Track track,
@@ -55,12 +60,14 @@ private:
     double level;
   };
 
+  Time time_of(std::int64_t position) const;
   void change(std::int64_t position, std::size_t channel, double level);
 
   double ticks_per_second_;
   std::int64_t step_length_;
   std::size_t curves_ = 0;
   std::vector<Change> changes_;
+  std::map<Time, float> frequencies_; ///< each from its time to the next
 };
 
 } // namespace tactile

@@ -53,13 +53,14 @@ public:
     return points_;
   }
 
-private:
+  /// Holds the last value, if there is one, up to `position`.
   void hold(std::int64_t position)
   {
-    if (points_.back().position < position)
+    if (!points_.empty() && points_.back().position < position)
       points_.push_back({ position, points_.back().value });
   }
 
+private:
   std::vector<Point> points_;
 };
 

@@ -147,7 +147,7 @@ read_track(std::string_view text, TrackFormat format, std::vector<std::string> *
   case TrackFormat::sem:
     return read_sem(text);
   case TrackFormat::haptic:
-    return read_haptic(text, parts);
+    return read_haptic(text);
   case TrackFormat::ahap:
     return read_ahap(text, parts);
   case TrackFormat::funscript:

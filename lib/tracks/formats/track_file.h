@@ -52,7 +52,8 @@ tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat f
                                             std::vector<std::string> *ignored = nullptr,
                                             const std::string &clip = {});
 
-/// The text of a track's file, in UTF-8 where it is UTF-16 (but for XML, which says what it is).
+/// The text of a track's file, converted from UTF-16 to UTF-8 (except XML, which declares its
+/// encoding).
 struct TrackText
 {
   std::string text;

@@ -6,7 +6,7 @@
 namespace tactile {
 
 /// A text in UTF-8. UTF-16, with a byte order mark or an ASCII character at the beginning, is
-/// converted; what is no character becomes U+FFFD. Any other text stays as it is.
+/// converted; invalid code units become U+FFFD. Any other text stays as it is.
 std::string as_utf8(std::string text);
 
 } // namespace tactile

@@ -24,8 +24,8 @@ std::string write_webvtt(const Track &track);
 /// overlapping.
 tl::expected<Track, FormatError> read_webvtt(std::string_view text);
 
-/// Whether a text is meant as a track, even if it is a faulty one: a note says so, or its first cue
-/// is a map. Otherwise it is subtitles or something else.
+/// Whether a text is a track, even a faulty one: it has the note of a track, or its first cue is a
+/// map. Other texts are subtitles, for example.
 bool is_meant_as_track(std::string_view text);
 
 } // namespace tactile

@@ -27,8 +27,8 @@ struct WebvttBlock
   std::size_t line = 0;  ///< number of its first line, from 1
   std::string_view lead; ///< empty lines before it
   std::string_view text; ///< its lines, with their line ends
-  /// The first line, without its line end; of a note what follows NOTE, of a track's note what
-  /// follows "NOTE tactile".
+  /// The first line, without its line end; in a note without "NOTE", in a track's note without
+  /// "NOTE tactile".
   std::string_view first;
 };
 

@@ -25,6 +25,14 @@ whole_ms(Time time)
   return static_cast<std::int32_t>(time / milliseconds(1));
 }
 
+WebvttCue
+cue_of(std::int32_t start, std::int32_t end, const TactileMap &map)
+{
+  WebvttCue cue{ .start = start, .end = end, .levels = {}, .notes = {} };
+  set_map(cue, map);
+  return cue;
+}
+
 /// A part of a track between two times as cues, silent or not.
 std::vector<WebvttCue>
 stretches(const Track &track, std::int32_t from, std::int32_t to)
@@ -39,10 +47,7 @@ stretches(const Track &track, std::int32_t from, std::int32_t to)
       end = std::min(end, next->time);
     if (time < track.end())
       end = std::min(end, track.end());
-    cues.push_back({ .start = whole_ms(time),
-                     .end = whole_ms(end),
-                     .levels = percents_of(track.at(time)),
-                     .notes = {} });
+    cues.push_back(cue_of(whole_ms(time), whole_ms(end), track.at(time)));
     time = end;
     if (next != entries.end() && next->time <= time)
       ++next;
@@ -76,7 +81,7 @@ void
 change_cue(std::vector<WebvttCue> &cues, const Track &track, const WebvttCue &cue, bool is_last)
 {
   std::vector<WebvttCue> now = stretches(track, cue.start, cue.end);
-  if (now.size() == 1 && now.front().levels == cue.levels) {
+  if (now.size() == 1 && now.front().has_map_of(cue)) {
     cues.push_back(cue);
     return;
   }
@@ -85,10 +90,7 @@ change_cue(std::vector<WebvttCue> &cues, const Track &track, const WebvttCue &cu
     return is_silent(one) && !(is_last && one.end == cue.end);
   });
   if (now.empty() && !cue.notes.empty())
-    now.push_back({ .start = cue.start,
-                    .end = cue.end,
-                    .levels = percents_of(TactileMap(track.rows(), track.columns())),
-                    .notes = {} });
+    now.push_back(cue_of(cue.start, cue.end, TactileMap(track.rows(), track.columns())));
   if (!now.empty())
     now.front().notes = cue.notes;
   std::ranges::move(now, std::back_inserter(cues));
@@ -105,22 +107,23 @@ is_webvtt_note(std::string_view note)
          && !webvtt_tactile_note(note.substr(0, note.find('\n')));
 }
 
-std::vector<std::uint8_t>
-percents_of(const TactileMap &map)
+void
+set_map(WebvttCue &cue, const TactileMap &map)
 {
-  std::vector<std::uint8_t> percents;
-  percents.reserve(map.levels.size());
+  cue.levels.clear();
+  cue.levels.reserve(map.levels.size());
   for (const float level : map.levels)
-    percents.push_back(static_cast<std::uint8_t>(std::lround(level * kTextSteps)));
-  return percents;
+    cue.levels.push_back(static_cast<std::uint8_t>(std::lround(level * kTextSteps)));
+  cue.frequency = static_cast<std::int32_t>(std::lround(map.frequency));
 }
 
 TactileMap
-map_of(const std::vector<std::uint8_t> &percents, const Grid &grid)
+map_of(const WebvttCue &cue, const Grid &grid)
 {
   TactileMap map(grid.rows, grid.columns);
-  for (std::size_t i = 0; i < percents.size() && i < map.levels.size(); i++)
-    map.levels[i] = static_cast<float>(percents[i]) / static_cast<float>(kTextSteps);
+  for (std::size_t i = 0; i < cue.levels.size() && i < map.levels.size(); i++)
+    map.levels[i] = static_cast<float>(cue.levels[i]) / static_cast<float>(kTextSteps);
+  map.frequency = static_cast<float>(cue.frequency);
   return map;
 }
 
@@ -142,10 +145,8 @@ cues_of(const Track &track, const std::vector<WebvttCue> &before)
   fill_gap(cues, rounded, end, length);
   end = cues.empty() ? 0 : cues.back().end;
   if (end < length)
-    cues.push_back({ .start = std::max(end, length - kLongestCue),
-                     .end = length,
-                     .levels = percents_of(TactileMap(track.rows(), track.columns())),
-                     .notes = {} });
+    cues.push_back(cue_of(std::max(end, length - kLongestCue), length,
+                          TactileMap(track.rows(), track.columns())));
   return cues;
 }
 

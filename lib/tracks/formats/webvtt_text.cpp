@@ -204,7 +204,7 @@ WebvttText::read_cue(const WebvttBlock &block, Piece &piece) const
       static_cast<std::size_t>(lines->timing.rest.data() - piece.timing.data()));
   piece.picture = lines->text;
   if (const auto map = read_text_cue(lines->picture, grid_))
-    piece.cue.levels = percents_of(*map);
+    set_map(piece.cue, *map);
 }
 
 std::vector<WebvttCue>
@@ -218,7 +218,7 @@ WebvttText::cues() const
   return cues;
 }
 
-/// Which piece each cue was, in their order; nullptr: none.
+/// The original piece of each cue, in order; nullptr: none.
 std::vector<const WebvttText::Piece *>
 WebvttText::origins(const std::vector<WebvttCue> &cues) const
 {
@@ -340,11 +340,11 @@ private:
     if (!is_same_time)
       add_own(write_webvtt_timing(time_of(cue.start), time_of(cue.end)));
     text_ += is_same_time ? origin->timing : origin ? origin->after_times : of_.line_end_;
-    if (origin && picture_stays && origin->cue.levels == cue.levels) {
+    if (origin && picture_stays && origin->cue.has_map_of(cue)) {
       text_ += origin->picture;
     } else {
       end_line();
-      add_own(write_text_cue(map_of(cue.levels, of_.grid_)) + "\n");
+      add_own(write_text_cue(map_of(cue, of_.grid_)) + "\n");
     }
   }
 
@@ -376,7 +376,8 @@ WebvttText::with(const Track &track, Time offset) const
   text.is_moved_ = offset != Time(0);
   text.grid_ = { track.rows(), track.columns() };
   text.is_resampled_ = text.grid_ != grid_;
-  const std::vector<std::uint8_t> silent = percents_of(TactileMap(track.rows(), track.columns()));
+  const std::vector<std::uint8_t> silent(
+      static_cast<std::size_t>(track.rows()) * static_cast<std::size_t>(track.columns()), 0);
   for (Piece &piece : text.pieces_) {
     const auto moved = [&](std::int32_t ms) {
       return static_cast<std::int32_t>(

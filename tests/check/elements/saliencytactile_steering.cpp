@@ -15,6 +15,10 @@
 #include "painted_frame.h"
 #include "schematic_face.h"
 
+#ifdef HAVE_ANALYTICS
+#include <gst/analytics/analytics.h>
+#endif
+
 namespace {
 
 /// Two squares that appear at the same time, left and right in the middle row, each with a region.
@@ -65,6 +69,42 @@ GST_START_TEST(test_weights)
   fail_unless(strongest(squares_with_regions("roi-weights=\"*=0,logo=1\"", "face", "logo")) == 5);
 }
 GST_END_TEST;
+
+#ifdef HAVE_ANALYTICS
+/// An object of GstAnalytics is a region, too, unless its tracker has lost it.
+GST_START_TEST(test_analytics)
+{
+  const auto levels = [](bool is_tracked, bool is_lost) {
+    Analysis analysis("saliencytactile roi-weights=logo=0", kCaps);
+    const Paint two = both(square(53, 120, 24), square(267, 120, 24));
+    std::vector<gfloat> last;
+    for (guint i = 0; i < 16; i++) {
+      GstBuffer *buffer = frame(i, i < 12 ? nothing : two);
+      GstAnalyticsRelationMeta *meta = gst_buffer_add_analytics_relation_meta(buffer);
+      GstAnalyticsODMtd object;
+      GstAnalyticsTrackingMtd track;
+      fail_unless(gst_analytics_relation_meta_add_od_mtd(meta, g_quark_from_static_string("logo"),
+                                                         255, 108, 24, 24, 0.9F, &object));
+      if (is_tracked) {
+        fail_unless(gst_analytics_relation_meta_add_tracking_mtd(meta, 7, 0, &track));
+        gst_analytics_relation_meta_set_relation(meta, GST_ANALYTICS_REL_TYPE_RELATE_TO, object.id,
+                                                 track.id);
+      }
+      if (is_lost)
+        gst_analytics_tracking_mtd_set_lost(&track);
+      g_autoptr(GstBuffer) out = analysis.pass(buffer);
+      last = levels_of(out);
+    }
+    return last;
+  };
+  for (const bool is_tracked : { false, true }) {
+    const std::vector<gfloat> no_logo = levels(is_tracked, false);
+    fail_unless(no_logo[3] > 0.3f && no_logo[5] == 0);
+  }
+  fail_unless(levels(true, true) == squares_with_regions("", nullptr, nullptr));
+}
+GST_END_TEST;
+#endif
 
 /// Weights apply to the attached saliency map, too.
 GST_START_TEST(test_attached_map)
@@ -363,6 +403,9 @@ saliencytactile_steering_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_weights);
+#ifdef HAVE_ANALYTICS
+  tcase_add_test(cases, test_analytics);
+#endif
   tcase_add_test(cases, test_attached_map);
   tcase_add_test(cases, test_regions_of_a_cropped_frame);
   tcase_add_test(cases, test_jump_forgets_regions);

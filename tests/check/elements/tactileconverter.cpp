@@ -207,6 +207,31 @@ GST_START_TEST(test_round_trip)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_frequencies)
+{
+  constexpr const gchar *kCue = "  0  50\n100  25\n120 Hz";
+  Harness to_map(kTextCaps, kMapCaps);
+  fail_unless_equals_int(to_map.push_text(kCue, 0, GST_SECOND), GST_FLOW_OK);
+  GstBuffer *map = gst_harness_pull(to_map.h);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(map), 120);
+  for (const gchar *caps : { kTextCaps, kKlvCaps }) {
+    Harness back(kMapCaps, caps);
+    fail_unless_equals_int(back.push(gst_buffer_copy(map), 0, GST_SECOND), GST_FLOW_OK);
+    gst_harness_push_event(back.h, gst_event_new_eos());
+    GstBuffer *cue = gst_harness_pull(back.h);
+    GstMapInfo info;
+    gst_buffer_map(cue, &info, GST_MAP_READ);
+    if (caps == kTextCaps)
+      fail_unless(std::string(reinterpret_cast<char *>(info.data), info.size) == kCue);
+    else
+      fail_unless_equals_float(tactile::read_klv({ info.data, info.size })->map.frequency, 120);
+    gst_buffer_unmap(cue, &info);
+    gst_buffer_unref(cue);
+  }
+  gst_buffer_unref(map);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_gaps_of_a_track)
 {
   Harness converter(kTextCaps, kMapCaps);
@@ -386,6 +411,7 @@ tactileconverter_suite(void)
   tcase_add_test(tests, test_cues_on_change_and_every_second);
   tcase_add_test(tests, test_changes_within_a_percent);
   tcase_add_test(tests, test_round_trip);
+  tcase_add_test(tests, test_frequencies);
   tcase_add_test(tests, test_gaps_of_a_track);
   tcase_add_test(tests, test_gap_of_maps_ends_a_cue);
   tcase_add_test(tests, test_text_variants);

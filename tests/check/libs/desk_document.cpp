@@ -119,6 +119,24 @@ GST_START_TEST(test_changed_cue)
 GST_END_TEST;
 
 /// Blocks that the reader takes for comments, styles and regions, whatever they hold.
+GST_START_TEST(test_frequency)
+{
+  const std::string text = "WEBVTT\n\n00:00.000 --> 00:00.100\n10 20\n120 Hz\n\n"
+                           "00:00.200 --> 00:00.300\n30 40\n";
+  Document document = document_of(text);
+  Cue tuned = document.cues()[0];
+  fail_unless_equals_int(tuned.frequency, 120);
+  tuned.frequency = 130;
+  fail_unless(document.apply({ { .at = 0, .remove = 1, .insert = { tuned } } }).has_value());
+  const std::string changed = document.text();
+  fail_unless(changed.find("130 Hz") != std::string::npos
+                  && changed.ends_with("00:00.200 --> 00:00.300\n30 40\n"),
+              "%s", changed.c_str());
+  tuned.frequency = 1001;
+  fail_if(document.apply({ { .at = 0, .remove = 1, .insert = { tuned } } }).has_value());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_arrow_in_a_comment)
 {
   for (const char *first : { "NOTE slower --> faster", "NOTE\t-->", "STYLE -->", "REGION a-->b" }) {
@@ -447,6 +465,7 @@ desk_document_suite()
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_bytes_stay);
   tcase_add_test(tests, test_changed_cue);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_arrow_in_a_comment);
   tcase_add_test(tests, test_blocks_stay);
   tcase_add_test(tests, test_too_many_notes);

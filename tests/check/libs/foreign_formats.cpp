@@ -11,23 +11,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "foreign_samples.h"
 #include "support/temporary_file.h"
-#include "track_samples.h"
 
 using namespace std::chrono_literals;
 using namespace tactile;
 
 namespace {
-
-using Ignored = std::vector<std::string>;
-
-Track
-read(const std::string &text, TrackFormat format, Ignored *ignored = nullptr)
-{
-  const auto track = read_track(text, format, ignored);
-  fail_unless(track.has_value(), "%s", track ? "" : track.error().text().c_str());
-  return *track;
-}
 
 double
 level(const Track &track, Time at, int cell = 0)
@@ -56,19 +46,6 @@ haptic(const std::string &amplitude, const std::string &more = "")
   return R"({"version":{"major":1,"minor":0,"patch":0},"signals":{"continuous":{"envelopes":)"
          R"({"amplitude":[)"
          + amplitude + "]" + more + "}}}}";
-}
-
-std::string
-ahap(const std::string &pattern)
-{
-  return "{\"Version\":1.0,\"Pattern\":[" + pattern + "]}";
-}
-
-std::string
-continuous(const char *times, const char *parameters = "")
-{
-  return std::string(R"({"Event":{"EventType":"HapticContinuous",)") + times
-         + ",\"EventParameters\":[" + parameters + "]}}";
 }
 
 /// A project of one effect from 100 ms on, of 400 ms, with one mode for one device.
@@ -158,7 +135,11 @@ GST_START_TEST(test_haptic)
   ASSERT_LEVEL(track, 1000ms, 0.9); // an emphasis
   ASSERT_LEVEL(track, 1029ms, 0.9);
   ASSERT_LEVEL(track, 1030ms, 0.4);
-  fail_unless(ignored == Ignored{ "the frequencies" });
+  ASSERT_HZ(track, 999ms, 182.5); // 0.5 between 65 and 300 Hz, as in MPEG's reference encoder
+  ASSERT_HZ(track, 1000ms, 88.5); // of the emphasis
+  ASSERT_HZ(track, 1030ms, 182.5);
+  ASSERT_HZ(track, 499ms, 0); // silence has none
+  fail_unless(ignored.empty());
   const auto complains = [](const std::string &text, const char *place, const char *words) {
     ASSERT_COMPLAINT(read_track(text, TrackFormat::haptic), place, words);
   };
@@ -272,6 +253,35 @@ GST_START_TEST(test_ahap)
   ASSERT_COMPLAINT(
       read_track(ahap(continuous(R"("Time":1e9,"EventDuration":1)")), TrackFormat::ahap),
       "Pattern[0].Event", "100 hours");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_funscript_keeps)
+{
+  const std::string text
+      = R"({"inverted":true,"metadata":{"title":"a"},"rawActions":[1],"axes":[)"
+        R"({"id":"V0","actions":[{"at":5,"pos":10}]},{"id":"R0","actions":[{"at":6,"pos":20}]}]})";
+  Track track(1, 1);
+  track.append(0ms, make_map(1, 1, { 0.25F }));
+  track.set_end(1s);
+  const auto with = funscript_with(text, track);
+  fail_unless(with.has_value());
+  fail_unless(read(*with, TrackFormat::funscript) == track);
+  for (const char *kept : { R"("metadata":{"title":"a"})", R"("rawActions":[1])",
+                            R"("inverted":true)", R"({"id":"R0","actions":[{"at":6,"pos":20}]})" })
+    fail_unless(with->find(kept) != std::string::npos, "%s", with->c_str());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_commas_at_the_end)
+{
+  // As in Apple's samples for Unity.
+  const Track track = read(R"({"Metadata":{"Project":",]",},"Pattern":[)"
+                           R"({"Event":{"Time":0,"EventType":"HapticTransient",}, },
+                           ],})",
+                           TrackFormat::ahap);
+  fail_unless(track.end() == 30ms);
+  fail_if(read_track("[,]", TrackFormat::ahap).has_value());
 }
 GST_END_TEST;
 
@@ -421,6 +431,8 @@ foreign_formats_suite(void)
   tcase_add_test(tests, test_haptic);
   tcase_add_test(tests, test_hasp);
   tcase_add_test(tests, test_ahap);
+  tcase_add_test(tests, test_funscript_keeps);
+  tcase_add_test(tests, test_commas_at_the_end);
   tcase_add_test(tests, test_funscript);
   tcase_add_test(tests, test_tact_dots);
   tcase_add_test(tests, test_tact_fades);

@@ -31,6 +31,19 @@ GST_START_TEST(test_round_trip)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_frequency)
+{
+  TactileMap map(1, 2);
+  map.levels = { 0.5F, 1 };
+  map.frequency = 120;
+  std::vector<std::uint8_t> bytes = write_klv(map, 20ms);
+  fail_unless(bytes[17] == 2 && bytes.size() == 17 + 11 + 3 * 4);
+  fail_unless(read_klv(bytes)->map == map);
+  bytes[bytes.size() - 4] = 0x7f;
+  ASSERT_COMPLAINT(read_klv(bytes), "byte 36", "1 to 1000 Hz");
+}
+GST_END_TEST;
+
 GST_START_TEST(test_refused)
 {
   const std::vector<std::uint8_t> good = write_klv(make_map(1, 2, { 0.75F, 0 }), 1s);
@@ -50,7 +63,8 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read_klv(with(16, 0x80)), "byte 16", "BER");
   ASSERT_COMPLAINT(read_klv(with(16, 0xff)), "byte 16", "BER");
   ASSERT_COMPLAINT(read_klv(with(16, 0x88)), "byte", "");
-  ASSERT_COMPLAINT(read_klv(with(17, 2)), "byte 17", "version");
+  ASSERT_COMPLAINT(read_klv(with(17, 3)), "byte 17", "version");
+  ASSERT_COMPLAINT(read_klv(with(17, 2)), "byte 28", "levels"); // and a frequency
   ASSERT_COMPLAINT(read_klv(with(18, 0)), "byte 18", "rows");
   ASSERT_COMPLAINT(read_klv(with(19, 65)), "byte 18", "rows");
   ASSERT_COMPLAINT(read_klv(with(19, 3)), "byte 28", "3 levels");
@@ -71,6 +85,7 @@ klv_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_bytes);
   tcase_add_test(tests, test_round_trip);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_refused);
   return suite;
 }

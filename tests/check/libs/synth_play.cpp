@@ -236,6 +236,62 @@ GST_START_TEST(test_reset)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_frequencies)
+{
+  const auto sine = make_wave(Waveform::sine, 60);
+  const auto play_of = [&](const std::vector<double> &frequencies) {
+    Play play(kRate, { { .wave = sine, .frequency = 60 } }, settings_for(20ms),
+              { shaker(20ms, 1) });
+    play.set_cells(plain_cells(1, 1, 1));
+    play.begin(0s);
+    std::vector<float> samples;
+    Time time = 0s;
+    for (const double frequency : frequencies) {
+      play.plan(time, 1s, std::vector{ 0.5F }, frequency);
+      time += 1s;
+      const auto more = render_until(play, time - play.lead());
+      samples.insert(samples.end(), more.begin(), more.end());
+    }
+    return samples;
+  };
+  const std::vector<float> samples = play_of({ 0, 120, 120, 240, 0 });
+  const std::vector<int> expected = { 60, 120, 120, 240 };
+  for (std::size_t second = 0; second < expected.size(); second++) {
+    int rounds = 0;
+    for (std::size_t i = second * kRate + 1; i < (second + 1) * kRate; i++)
+      rounds += samples[i - 1] < 0 && samples[i] >= 0 ? 1 : 0;
+    fail_unless(std::abs(rounds - expected[second]) <= 1, "second %zu: %d", second, rounds);
+  }
+  // Without frequencies nothing changes.
+  Play plain(kRate, { { .wave = sine } }, settings_for(20ms), { shaker(20ms, 1) });
+  plain.set_cells(plain_cells(1, 1, 1));
+  plain.begin(0s);
+  plain.plan(0s, 1s, std::vector{ 0.5F });
+  const auto unchanged = render_until(plain, 900ms);
+  fail_unless(std::equal(unchanged.begin(), unchanged.end(), play_of({ 0 }).begin()));
+}
+GST_END_TEST;
+
+/// A channel that begins early, by its rise time, begins with the frequency of its map.
+GST_START_TEST(test_frequency_of_the_rise)
+{
+  Play play(kRate, { { .wave = make_wave(Waveform::sine, 50), .frequency = 50 } },
+            settings_for(100ms), { shaker(100ms, 1) });
+  play.set_cells(plain_cells(1, 1, 1));
+  play.begin(0s);
+  play.plan(0s, 1s, std::vector{ 0.0F });
+  play.plan(1s, 1s, std::vector{ 1.0F }, 500);
+  const std::vector<float> samples = render_until(play, 1s);
+  const auto first = std::ranges::find_if(samples, [](float value) { return value != 0; });
+  fail_unless(samples.end() - first > kRate / 50);
+  const auto high = std::count_if(
+      first + 1, samples.end(), [&](const float &value) { return (&value)[-1] < 0 && value >= 0; });
+  const auto expected = (samples.end() - first) * 500 / kRate;
+  fail_unless(std::abs(high - expected) <= 1, "%zd, expected %zd", std::ptrdiff_t(high),
+              std::ptrdiff_t(expected));
+}
+GST_END_TEST;
+
 static Suite *
 synth_play_suite(void)
 {
@@ -249,6 +305,8 @@ synth_play_suite(void)
   tcase_add_test(tcase, test_no_drift);
   tcase_add_test(tcase, test_limits);
   tcase_add_test(tcase, test_mute_and_soft_start);
+  tcase_add_test(tcase, test_frequencies);
+  tcase_add_test(tcase, test_frequency_of_the_rise);
   tcase_add_test(tcase, test_reset);
   return suite;
 }

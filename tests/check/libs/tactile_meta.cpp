@@ -5,8 +5,10 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -149,6 +151,52 @@ GST_START_TEST(test_copies)
   fail_unless_equals_int(count_metas(bare), 0);
   for (GstBuffer *copy : { whole, deep, region, bare })
     gst_buffer_unref(copy);
+}
+GST_END_TEST;
+
+#if GST_CHECK_VERSION(1, 24, 0)
+GST_START_TEST(test_serialized)
+{
+  GstBuffer *frame = gst_buffer_new();
+  constexpr std::array<gfloat, 6> kLevels{ 0, 0.1F, 0.2F, 0.5F, 0.75F, 1 };
+  GstTactileMeta *meta = gst_buffer_add_tactile_meta(frame, 2, 3, kLevels.data(), kLevels.size());
+  gst_tactile_meta_set_video_direction(meta, GST_VIDEO_ORIENTATION_90R);
+  g_autoptr(GByteArray) bytes = g_byte_array_new();
+  fail_unless(gst_meta_serialize_simple(GST_META_CAST(meta), bytes));
+  GstBuffer *other = gst_buffer_new();
+  guint32 used = 0;
+  meta = reinterpret_cast<GstTactileMeta *>(
+      gst_meta_deserialize(other, bytes->data, bytes->len, &used));
+  fail_unless(meta != nullptr && used == bytes->len && meta->rows == 2 && meta->columns == 3);
+  fail_unless(std::equal(kLevels.begin(), kLevels.end(), meta->levels));
+  // The direction, too: the same bytes again.
+  g_autoptr(GByteArray) again = g_byte_array_new();
+  fail_unless(gst_meta_serialize_simple(GST_META_CAST(meta), again));
+  fail_unless(again->len == bytes->len && memcmp(again->data, bytes->data, bytes->len) == 0);
+  // Hostile bytes: the last 36 are rows, columns, direction and levels.
+  for (guint at = bytes->len - 36; at < bytes->len - 24; at++) {
+    again->data[at] = 0xff;
+    fail_unless(gst_meta_deserialize(other, again->data, again->len, &used) == nullptr, "%u", at);
+    again->data[at] = bytes->data[at];
+  }
+  gst_buffer_unref(other);
+  gst_buffer_unref(frame);
+}
+GST_END_TEST;
+#endif
+
+GST_START_TEST(test_frequency)
+{
+  GstBuffer *frame = gst_buffer_new();
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), 0);
+  gst_buffer_set_tactile_frequency(frame, 120);
+  gst_buffer_set_tactile_frequency(frame, 121);
+  GstBuffer *copy = gst_buffer_copy(frame);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(copy), 121);
+  gst_buffer_set_tactile_frequency(frame, 0);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), 0);
+  gst_buffer_unref(copy);
+  gst_buffer_unref(frame);
 }
 GST_END_TEST;
 
@@ -362,8 +410,13 @@ tactile_meta_suite(void)
   tcase_add_test(tests, test_levels_are_clamped);
   tcase_add_test(tests, test_limits);
   tcase_add_test(tests, test_out_of_the_grid);
+#if GST_CHECK_VERSION(1, 24, 0)
+  tcase_add_test(tests, test_serialized);
+#endif
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_one_per_buffer);
   tcase_add_test(tests, test_copies);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_transforms);
   tcase_add_test(tests, test_moved_picture);
   tcase_add_test(tests, test_two_pictures);

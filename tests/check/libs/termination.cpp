@@ -121,9 +121,10 @@ public:
 #ifdef __SANITIZE_THREAD__
     // Its runtime (GCC 12) loses a signal now and then, between the kernel, which has delivered it
     // to the runtime's handler by the trace point signal_deliver, and ours, which is not called.
-    for (pollfd in{ .fd = ends_[0], .events = POLLIN, .revents = 0 };
-         sent_ != 0 && poll(&in, 1, 1000) == 0;)
-      kill(pid_, sent_);
+    // It is sent once more.
+    pollfd in{ .fd = ends_[0], .events = POLLIN, .revents = 0 };
+    if (sent_ != 0 && poll(&in, 1, 10000) == 0)
+      kill(pid_, std::exchange(sent_, 0));
 #endif
     char c = 0;
     return read(ends_[0], &c, 1) == 1 ? c : 0; // 0: the process has ended

@@ -82,7 +82,7 @@ export class CueTable extends EventTarget {
     row.insertCell().textContent = formatTime(cue.end);
     row.insertCell().textContent = isSilent(cue.levels) ? 'silent'
       : cue.levels.map((level, cell) => level > 0 && `cell ${cellName(cell, track)}: ${level} %`)
-        .filter(Boolean).join(', ');
+        .filter(Boolean).concat(cue.frequency ? `${cue.frequency} Hz` : []).join(', ');
     row.insertCell().textContent = (cue.notes ?? []).join(' · ');
     return row;
   }

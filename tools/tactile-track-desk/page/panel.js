@@ -48,7 +48,8 @@ export class Panel {
     const [least, most] = levels.length ? [Math.min(...levels), Math.max(...levels)] : [0, 0];
     const where = cells && cells.length < track.cells ? `cell ${cells.map((cell) => cell + 1).join(', ')}` : 'all cells';
     const felt = !levels.length ? 'silent' : least === most ? `${most} %` : `${least} to ${most} %`;
-    text.textContent = `${formatTime(from)} to ${formatTime(to)} (${formatTime(to - from)}), ${where}, ${felt}.`;
+    const frequency = this.#cueAt(from)?.frequency;
+    text.textContent = `${formatTime(from)} to ${formatTime(to)} (${formatTime(to - from)}), ${where}, ${felt}${frequency ? `, ${frequency} Hz` : ''}.`;
     if (this.#form.contains(document.activeElement) && this.#form.matches('.changed'))
       return;
     const notes = this.#cueAt(from)?.notes ?? [];

@@ -14,11 +14,11 @@ import { LONGEST, MOST_NOTES, difference, isSilent, join } from './track.js';
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 const wholeLevel = (level) => bounded(Math.round(level), 0, 100);
 const cellsOf = (track, { cells }) => cells ?? [...track.silence.keys()];
-const silent = (spans) => spans.map((span) => ({ ...span, level: 0 }));
+const silent = (spans) => spans.map((span) => ({ ...span, level: 0, frequency: 0 }));
 
 /** Spans in whole ms within the track's limits; throws if a cell is not in the grid. */
 function checked(track, spans) {
-  return spans.map(({ cell, start, end, level }) => {
+  return spans.map(({ cell, start, end, level, frequency }) => {
     if (!(Number.isInteger(cell) && cell >= 0 && cell < track.cells)) {
       throw new RangeError(`expected a cell of 0 to ${track.cells - 1}, got ${cell}`);
     }
@@ -26,7 +26,7 @@ function checked(track, spans) {
       throw new RangeError(`expected times and a level, got ${start}, ${end} and ${level}`);
     }
     return { cell, start: bounded(Math.round(start), 0, LONGEST),
-      end: bounded(Math.round(end), 0, LONGEST), level: wholeLevel(level) };
+      end: bounded(Math.round(end), 0, LONGEST), level: wholeLevel(level), frequency };
   }).filter(({ start, end }) => start < end);
 }
 
@@ -34,7 +34,9 @@ function checked(track, spans) {
 function pieces(cues, times, spans, silence) {
   const indexOf = new Map(times.map((time, index) => [time, index]));
   const painted = new Map(); // cell → level from each time on, -1: as it is
-  for (const { cell, start, end, level } of spans) {
+  const tuned = new Int16Array(times.length); // frequency, 0: as it is
+  for (const { cell, start, end, level, frequency = 0 } of spans) {
+    if (frequency > 0) tuned.fill(frequency, indexOf.get(start), indexOf.get(end));
     if (!painted.has(cell)) painted.set(cell, new Int8Array(times.length).fill(-1));
     painted.get(cell).fill(level, indexOf.get(start), indexOf.get(end));
   }
@@ -51,8 +53,9 @@ function pieces(cues, times, spans, silence) {
       if (levels === before) levels = before.slice();
       levels[cell] = level[i];
     }
-    const changed = levels !== before;
-    if (changed || origin) made.push({ start, end, levels, origin, changed });
+    const frequency = isSilent(levels) ? 0 : tuned[i] || (origin?.frequency ?? 0);
+    const changed = levels !== before || (origin && !isSilent(levels) && frequency !== (origin.frequency ?? 0));
+    if (changed || origin) made.push({ start, end, levels, frequency, origin, changed });
   }
   return made;
 }
@@ -105,8 +108,8 @@ export function paint(track, spans, carried = []) {
   giveNotes(joined, carried);
   const isKept = ({ end, silenced, notes }, i) => !silenced || notes.length > 0
     || (i === joined.length - 1 && end >= track.end);
-  const after = joined.filter(isKept).map(({ start, end, levels, notes }) =>
-    (notes.length > 0 ? { start, end, levels, notes } : { start, end, levels }));
+  const after = joined.filter(isKept).map(({ start, end, levels, frequency, notes }) =>
+    ({ start, end, levels, ...frequency > 0 && { frequency }, ...notes.length > 0 && { notes } }));
   return difference(before, after, first);
 }
 
@@ -186,8 +189,8 @@ export function move(track, selection, by) {
   const { ms, rows, columns } = clampedMove(track, selection, by);
   if (ms === 0 && rows === 0 && columns === 0) return [];
   const spans = track.spans(selection);
-  const moved = spans.map(({ cell, start, end, level }) =>
-    ({ cell: cell + rows * track.columns + columns, start: start + ms, end: end + ms, level }));
+  const moved = spans.map(({ cell, start, end, ...rest }) =>
+    ({ cell: cell + rows * track.columns + columns, start: start + ms, end: end + ms, ...rest }));
   return paint(track, [...silent(spans), ...moved],
     whole(track, selection).map((cue) => ({ cue, to: cue.start + ms })));
 }
@@ -211,8 +214,8 @@ export function stretch(track, selection, { from, to }) {
   const factor = (to - from) / (selection.to - selection.from);
   const scaled = (ms) => Math.round(from + (ms - selection.from) * factor);
   const spans = track.spans(selection);
-  const stretched = spans.map(({ cell, start, end, level }) =>
-    ({ cell, start: scaled(start), end: Math.max(scaled(end), scaled(start) + 1), level }));
+  const stretched = spans.map(({ cell, start, end, ...rest }) =>
+    ({ cell, start: scaled(start), end: Math.max(scaled(end), scaled(start) + 1), ...rest }));
   return paint(track, [...silent(spans), ...stretched],
     whole(track, selection).map((cue) => ({ cue, to: scaled(cue.start) })));
 }
@@ -256,8 +259,8 @@ export function copy(track, selection) {
     rows: Math.max(...cells.map(rowOf)) - top + 1,
     columns: Math.max(...cells.map(columnOf)) - left + 1,
     duration: selection.to - selection.from,
-    spans: track.spans(selection).map(({ cell, start, end, level }) => ({ row: rowOf(cell) - top,
-      column: columnOf(cell) - left, start: start - selection.from, end: end - selection.from, level })),
+    spans: track.spans(selection).map(({ cell, start, end, ...rest }) => ({ row: rowOf(cell) - top,
+      column: columnOf(cell) - left, start: start - selection.from, end: end - selection.from, ...rest })),
   };
 }
 
@@ -267,8 +270,8 @@ export function paste(track, clip, { at, cell = 0 }) {
   const left = cell % track.columns;
   return paint(track, clip.spans
     .filter(({ row, column }) => row + top < track.rows && column + left < track.columns)
-    .map(({ row, column, start, end, level }) => ({ cell: (row + top) * track.columns + column + left,
-      start: start + at, end: end + at, level })));
+    .map(({ row, column, start, end, ...rest }) => ({ cell: (row + top) * track.columns + column + left,
+      start: start + at, end: end + at, ...rest })));
 }
 
 /** Replaces the notes of the cue at an index. Throws a RangeError if one is not valid in WebVTT. */
@@ -282,7 +285,7 @@ export function setNotes(track, index, notes) {
     if (note.includes('-->')) throw new RangeError('a note cannot have "-->"');
     if (/^\s*$/m.test(note)) throw new RangeError('a note cannot have empty lines');
   }
-  const { start, end, levels } = before;
-  const cue = notes.length > 0 ? { start, end, levels, notes } : { start, end, levels };
+  const { notes: _, ...cue } = before;
+  if (notes.length > 0) cue.notes = notes;
   return difference([before], [cue], index);
 }

@@ -3,10 +3,12 @@
  * A track: cues in order of time, which do not overlap. Where there is no cue, all is silent. Times
  * are whole milliseconds of the film, levels whole percent, cells are row by row from the top left.
  *
- * @typedef {{start: number, end: number, levels: number[], notes?: string[]}} Cue  not to be changed
+ * @typedef {{start: number, end: number, levels: number[], frequency?: number, notes?: string[]}} Cue
+ *   not to be changed; frequency: of its vibrations in Hz, none: the actuators' own
  * @typedef {{at: number, remove: number, insert: Cue[]}} Splice  at: an index when it is applied
  * @typedef {{from: number, to: number, cells?: number[]}} Selection  [from, to); no cells: all
- * @typedef {{cell: number, start: number, end: number, level: number}} Span  one cell at one level
+ * @typedef {{cell: number, start: number, end: number, level: number, frequency?: number}} Span
+ *   one cell at one level
  */
 
 /** The longest track, as in lib/tracks: 100 h. */
@@ -22,19 +24,19 @@ export function cellName(cell, { cells, columns }) {
 }
 
 const sameLevels = (a, b) => a === b || a.every((level, cell) => level === b[cell]);
+const sameMap = (a, b) => sameLevels(a.levels, b.levels) && (a.frequency ?? 0) === (b.frequency ?? 0);
 const sameNotes = (a = [], b = []) => a.length === b.length && a.every((note, i) => note === b[i]);
 const same = (a, b) =>
-  a === b || (a.start === b.start && a.end === b.end && sameLevels(a.levels, b.levels)
-    && sameNotes(a.notes, b.notes));
+  a === b || (a.start === b.start && a.end === b.end && sameMap(a, b) && sameNotes(a.notes, b.notes));
 
 /** A number for a cue: equal for equal cues, hardly ever for others (32 bits, as in MurmurHash3). */
-function numberOf({ start, end, levels, notes = [] }, seed) {
+function numberOf({ start, end, levels, frequency = 0, notes = [] }, seed) {
   let hash = seed;
   const mix = (value) => {
     hash = Math.imul(hash ^ Math.imul(value, 0xcc9e2d51), 0x1b873593);
     hash = Math.imul(hash ^ (hash >>> 15), 5) + 0xe6546b64 | 0;
   };
-  [start, end, ...levels].forEach(mix);
+  [start, end, ...levels, frequency].forEach(mix);
   for (const note of notes) {
     mix(note.length);
     for (let i = 0; i < note.length; i++) mix(note.charCodeAt(i));
@@ -265,8 +267,8 @@ export class Track {
         if (level === 0) continue;
         const start = Math.max(cue.start, from);
         const end = Math.min(cue.end, to);
-        if (span && span.end === start && span.level === level) span.end = end;
-        else spans.push(span = { cell, start, end, level });
+        if (span && span.end === start && span.level === level && span.frequency === cue.frequency) span.end = end;
+        else spans.push(span = { cell, start, end, level, ...cue.frequency && { frequency: cue.frequency } });
       }
     }
     return spans;
@@ -310,16 +312,16 @@ export function difference(before, after, offset = 0) {
  * Makes cues of pieces. Pieces of one cue are joined if their levels are equal, others only where
  * one of them has changed.
  *
- * @param {{start: number, end: number, levels: number[], origin: ?Cue, changed: boolean}[]} pieces
- * @returns cues that still know their pieces' origins: {start, end, levels, origins, silenced}
+ * @param {{start: number, end: number, levels: number[], frequency: number, origin: ?Cue, changed: boolean}[]} pieces
+ * @returns cues that still know their pieces' origins: {start, end, levels, frequency, origins, silenced}
  */
 export function join(pieces) {
   const joined = [];
   let last = null;
   let lastChanged = false;
   const count = (origins) => origins.reduce((sum, { notes = [] }) => sum + notes.length, 0);
-  for (const { start, end, levels, origin, changed } of pieces) {
-    const isSame = last && last.end === start && sameLevels(last.levels, levels);
+  for (const { start, end, levels, frequency, origin, changed } of pieces) {
+    const isSame = last && last.end === start && sameMap(last, { levels, frequency });
     const fromOne = isSame && origin !== null && last.origins.at(-1) === origin;
     const origins = origin === null || fromOne ? [] : [origin];
     if (fromOne || (isSame && (lastChanged || changed)
@@ -328,7 +330,7 @@ export function join(pieces) {
       last.origins.push(...origins);
       last.silenced &&= changed;
     } else {
-      last = { start, end, levels, origins, silenced: changed && isSilent(levels) };
+      last = { start, end, levels, frequency, origins, silenced: changed && isSilent(levels) };
       joined.push(last);
     }
     lastChanged = changed;

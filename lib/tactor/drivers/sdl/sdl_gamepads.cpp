@@ -126,8 +126,8 @@ public:
     // Signals belong to the application and to TerminationGuard.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
-    // By the kernel's drivers: SDL's own ones detach them or switch the gamepad's reports, which
-    // takes its buttons from a game. The environment overrides this.
+    // Uses the kernel's drivers. SDL's own drivers detach them or switch the gamepad's reports,
+    // which takes its buttons from a game. The environment overrides this.
     SDL_SetHintWithPriority(SDL_HINT_JOYSTICK_HIDAPI, "0", SDL_HINT_DEFAULT);
     const bool is_first = SDL_WasInit(SDL_INIT_JOYSTICK) == 0;
     if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) {

@@ -48,7 +48,7 @@ BhapticsAnswers::heard(const bhaptics::Status &status, Time now)
   forget(now);
   if (under_way_.empty()) {
     if (first_at_ && !std::exchange(speaks_unasked_, true))
-      took_ = {}; // of what may have been no answers
+      took_ = {}; // some of them may have been no answers
     return;
   }
   has_answered_ = true;

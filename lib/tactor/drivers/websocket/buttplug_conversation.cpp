@@ -156,7 +156,7 @@ ButtplugConversation::take(const buttplug::Error &error, Time now)
   for (Taken &taken : taken_) {
     if (std::ranges::find(taken.unanswered, error.id) == taken.unanswered.end())
       continue;
-    // Its state is unknown: all levels are sent again, zeros, too.
+    // The state of the device is unknown: all levels are sent again, zeros, too.
     std::ranges::fill(taken.sent, kUnknown);
     if (++taken.errors >= kMostErrors && state() == State::playing) {
       lose(taken, text);

@@ -228,7 +228,7 @@ private:
   std::atomic<bool> woken_ = false;
   bool is_connecting_ = false;
   bool is_ended_ = false;   ///< the last event was added
-  bool is_leaving_ = false; ///< nobody reads events
+  bool is_leaving_ = false; ///< events are no longer read
 };
 
 } // namespace

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Frequencies of maps in files.
+#include "tracks/formats/track_file.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "foreign_samples.h"
+
+using namespace std::chrono_literals;
+using namespace tactile;
+
+GST_START_TEST(test_sharpness)
+{
+  const auto sharp = [](const char *value) {
+    return std::string(R"({"ParameterID":"HapticSharpness","ParameterValue":)") + value + "}";
+  };
+  // Its control is an offset, and the event that begins last wins.
+  Ignored ignored;
+  const Track track
+      = read(ahap(continuous(R"("Time":0,"EventDuration":2)", sharp("0.25").c_str()) + ","
+                  + continuous(R"("Time":1,"EventDuration":0.5)", sharp("1").c_str()) + ","
+                  + R"({"ParameterCurve":{"ParameterID":"HapticSharpnessControl","Time":0.1,)"
+                    R"("ParameterCurveControlPoints":[{"Time":0,"ParameterValue":0},)"
+                    R"({"Time":0.1,"ParameterValue":0.5},{"Time":0.1,"ParameterValue":-1}]}})"),
+             TrackFormat::ahap, &ignored);
+  fail_unless(ignored.empty());
+  ASSERT_HZ(track, 50ms, 123.75);
+  for (int i = 0; i < 5; i++)
+    ASSERT_HZ(track, 100ms + 20ms * i, 65 + 235 * (0.25 + 0.5 * (i + 0.5) / 5));
+  ASSERT_HZ(track, 300ms, 65); // clamped
+  ASSERT_HZ(track, 1200ms, 65);
+  ASSERT_HZ(track, 1600ms, 65);
+  // Where all are 0, as we write tracks without frequencies, there is none.
+  fail_if(has_frequency(read(
+      ahap(continuous(R"("Time":0,"EventDuration":1)", sharp("0.0").c_str())), TrackFormat::ahap)));
+}
+GST_END_TEST;
+
+namespace {
+
+/// Two cells, 120 Hz and then the motors' own frequency, of three levels.
+Track
+tuned_track()
+{
+  Track track(1, 2);
+  TactileMap map = make_map(1, 2, { 0.5F, 0 });
+  map.frequency = 120;
+  track.append(100ms, map);
+  map.levels[1] = 1;
+  map.frequency = 250;
+  track.append(200ms, map);
+  track.append(300ms, make_map(1, 2, { 0, 0 }));
+  track.append(400ms, map);
+  track.set_end(1s);
+  return track;
+}
+
+} // namespace
+
+GST_START_TEST(test_frequencies_survive)
+{
+  const Track track = tuned_track();
+  for (const TrackFormat format : { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif })
+    fail_unless(read(write_track(track, format, ""), format) == track, "format %d", int(format));
+  for (const TrackFormat format : { TrackFormat::haptic, TrackFormat::ahap }) {
+    const Track again = read(write_track(track, format, ""), format);
+    fail_unless(again.entries().size() == track.entries().size(), "format %d", int(format));
+    for (const auto &[time, frequency] :
+         { std::pair(100ms, 120), { 200ms, 250 }, { 350ms, 0 }, { 500ms, 250 } })
+      fail_unless(std::lround(again.at(time).frequency) == frequency, "format %d", int(format));
+  }
+  for (const TrackFormat format : { TrackFormat::sem, TrackFormat::funscript })
+    fail_if(has_frequency(read(write_track(track, format, ""), format)));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_texts_of_frequencies)
+{
+  const Track track = tuned_track();
+  const std::string text = write_track(track, TrackFormat::webvtt, "");
+  fail_unless(text.find("00:00:00.100 --> 00:00:00.200\n 50   0\n120 Hz\n") != std::string::npos,
+              "%s", text.c_str());
+  ASSERT_TEXT(write_track(track, TrackFormat::csv, ""),
+              "# tactile grid=1x2\ntime_ms,t0,t1,hz\n0,0,0,0\n100,0.5,0,120\n200,0.5,1,250\n"
+              "300,0,0,0\n400,0.5,1,250\n1000,0,0,0\n");
+  const std::string hjif = write_track(track, TrackFormat::hjif, "");
+  fail_unless(hjif.find("\"VectorialWave\"") != std::string::npos);
+  fail_unless(
+      write_track(track, TrackFormat::haptic, "").find("{\"time\":0.200,\"frequency\":0.234}")
+      != std::string::npos);
+  fail_unless(write_track(track, TrackFormat::ahap, "")
+                  .find("\"HapticSharpness\",\"ParameterValue\":0.234}")
+              != std::string::npos);
+  ASSERT_COMPLAINT(
+      read_track("WEBVTT\n\n00:00.000 --> 00:01.000\n1 2\n2000 Hz\n", TrackFormat::webvtt), "line",
+      "1 to 1000 Hz");
+}
+GST_END_TEST;
+
+static Suite *
+frequencies_suite(void)
+{
+  Suite *suite = suite_create("frequencies");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_sharpness);
+  tcase_add_test(tests, test_frequencies_survive);
+  tcase_add_test(tests, test_texts_of_frequencies);
+  return suite;
+}
+
+GST_CHECK_MAIN(frequencies)

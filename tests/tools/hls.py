@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A film over HLS with the chair: tactile-track hls writes the track beside what ffmpeg made, a static server serves it, and
+playbin3's hlsdemux2 plays it, on demand and live. Environment: TRACK, the plugins on GST_PLUGIN_PATH_1_0"""
+
+import csv
+import functools
+import http.server
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import threading
+
+SECONDS, SEGMENT, FRAME = 7, 1.0, 0.04
+# Cue k is felt for 0.3 s from 0.5 k + 0.1 s on, with a level that says which it is.
+CUES = {round(0.41 + 0.03 * k, 2): 0.5 * k + 0.1 for k in range(2 * SECONDS)}
+LENGTH = 0.3
+FIRST = min(CUES)
+
+work = pathlib.Path(tempfile.mkdtemp())
+
+
+def run(*command, status=0):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, cwd=work)
+    assert done.returncode == status, (command, done.stdout[-2000:], done.stderr[-2000:])
+    return done.stdout if status == 0 else done.stderr
+
+
+def make_film(name, kind):
+    folder = work / name
+    folder.mkdir()
+    run("ffmpeg", "-v", "error", "-f", "lavfi", "-i", f"testsrc=size=320x240:rate=25:duration={SECONDS}", "-c:v", "libx264", "-preset",
+        "ultrafast", "-pix_fmt", "yuv420p", "-b:v", "200k", "-g", "25", "-f", "hls", "-hls_segment_type", kind, "-hls_time", SEGMENT,
+        "-hls_list_size", "0", "-master_pl_name", "master.m3u8", folder / "video.m3u8")
+    return folder
+
+
+def play(folder, handler=http.server.SimpleHTTPRequestHandler):
+    """The film times at which each level was felt first, by the chair's trace, and what was asked of the server."""
+    asked = []
+
+    class Logged(handler):
+        def do_GET(self):
+            asked.append(self.path)
+            super().do_GET()
+
+        def log_message(self, *_):
+            pass
+
+    trace = folder / "trace.csv"
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Logged, directory=folder)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        subprocess.run(
+            ["gst-launch-1.0", "-q", "playbin3", f"uri=http://127.0.0.1:{server.server_port}/master.m3u8",
+             f"video-sink=visuotactilesink driver=simulator rate=0 trace-location={trace} video-sink=fakevideosink"],
+            env=os.environ | {"GST_PLUGIN_FEATURE_RANK": "tactilesubtitles:MAX"}, check=True, timeout=120)
+        server.shutdown()
+    felt = {}
+    with open(trace, encoding="utf-8") as file:
+        for command in csv.DictReader(file):
+            felt.setdefault(round(float(command["volts"]) / 3, 2), int(command["effect_ns"]) / 1e9)
+    # Without the soft start, in which the first cue is felt.
+    return {value: time for value, time in felt.items() if value in CUES and value != FIRST}, asked
+
+
+track = work / "track.csv"
+lines = ["# tactile grid=1x1 rate=0", "time_ms,t0"]
+for value, begin in CUES.items():
+    lines += [f"{begin * 1000:.0f},{value}", f"{(begin + LENGTH) * 1000:.0f},0"]
+track.write_text("\n".join([*lines[:2], "0,0", *lines[2:]]) + "\n", encoding="utf-8")
+
+# On demand, in transport streams and fragmented MP4. A second call replaces what the first wrote.
+for segments in "mpegts", "fmp4":
+    film = make_film(segments, segments)
+    for _ in range(2):
+        run(os.environ["TRACK"], "hls", film / "master.m3u8", track, "--url=https://example.org/film")
+    master = (film / "master.m3u8").read_text(encoding="utf-8")
+    assert master.count("TYPE=SUBTITLES") == 1 and master.count(',SUBTITLES="tactile"') == 1, master
+    assert master.count('DATA-ID="com.apple.hls.haptics.url",VALUE="https://example.org/film/tactile.ahap"') == 1, master
+    read = run("ffprobe", "-v", "error", "-show_entries", "packet=pts_time,duration_time", "-of", "csv=p=0", film / "tactile" / "3.vtt")
+    found = [tuple(map(float, line.split(","))) for line in read.split() if line]
+    felt_then = [(begin, LENGTH) for begin in CUES.values() if 3 <= begin < 4]
+    assert all(any(abs(a - c) < 0.0015 and abs(b - d) < 0.0015 for c, d in found) for a, b in felt_then), (found, felt_then)
+    again = run(os.environ["TRACK"], "diff", film / "tactile.ahap", track)
+    assert again == "", again
+    levels, requests = play(film)
+    assert set(levels) == set(CUES) - {FIRST}, (levels, requests)
+    for value, time in levels.items():
+        assert CUES[value] <= time < CUES[value] + LENGTH, (segments, value, time, CUES[value])
+    assert f"/tactile/{SECONDS - 1}.vtt" in requests, requests
+
+# Live: each time that the player asks for the playlist, the film is a segment longer, and the track with it.
+film = make_film("live", "mpegts")
+whole = (film / "video.m3u8").read_text(encoding="utf-8")
+parts = re.findall(r"#EXTINF:.*\n.*\n", whole)
+shown = 3
+lock = threading.Lock()
+
+
+def show(count):
+    first = max(count - 5, 0)
+    text = f"#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:1\n#EXT-X-MEDIA-SEQUENCE:{first}\n" + "".join(parts[first:count])
+    (film / "video.m3u8").write_text(text + ("#EXT-X-ENDLIST\n" if count == len(parts) else ""), encoding="utf-8")
+    run(os.environ["TRACK"], "hls", film / "master.m3u8", track)
+
+
+class Live(http.server.SimpleHTTPRequestHandler):
+    def do_GET(self):
+        global shown
+        if self.path == "/video.m3u8":
+            with lock:
+                shown = min(shown + 1, len(parts))
+                show(shown)
+        super().do_GET()
+
+
+show(shown)
+levels, requests = play(film, Live)
+assert requests.count("/tactile/index.m3u8") > 1, requests
+# hlsdemux2 of GStreamer 1.22 leaves the last segment out if it comes with the end of the stream.
+assert f"/tactile/{len(parts) - 2}.vtt" in requests, requests
+# A live film begins with one of its segments.
+begins = {round((CUES[value] - time) / SEGMENT) for value, time in levels.items()}
+assert len(begins) == 1, (begins, levels)
+offset = begins.pop() * SEGMENT
+expected = {value for value, begin in CUES.items() if offset + SEGMENT <= begin < (len(parts) - 1) * SEGMENT}
+assert expected <= set(levels), (offset, levels)
+for value, time in levels.items():
+    assert -FRAME <= time + offset - CUES[value] < LENGTH, (offset, value, time)
+
+# Playlists that are wrong.
+media = run(os.environ["TRACK"], "hls", film / "video.m3u8", track, status=1)
+assert "expected a multivariant playlist" in media, media
+(film / "video.m3u8").write_text("#EXTM3U\n#EXTINF:1,\na.ts\n#EXT-X-DISCONTINUITY\n#EXTINF:1,\nb.ts\n", encoding="utf-8")
+broken = run(os.environ["TRACK"], "hls", film / "master.m3u8", track, status=1)
+assert "#EXT-X-DISCONTINUITY" in broken, broken
