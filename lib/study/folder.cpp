@@ -110,26 +110,9 @@ Folder::read_participants()
   if (error && error != std::errc::no_such_file_or_directory) // Use::reads makes no folder
     return tl::unexpected("'" + data("") + "': " + error.message());
   std::ranges::sort(names);
-<<<<<<< HEAD
   for (const std::string &name : names)
     if (const auto read = read_participant(name); !read)
       damaged_.emplace(name, read.error());
-=======
-  for (const std::string &name : names) {
-    const auto content = files::Journal::peek(data(name + kEnding), kJournal);
-    if (!content)
-      return tl::unexpected(content.error());
-    if (content->damaged)
-      return tl::unexpected("'" + data(name + kEnding)
-                            + "' is damaged; expected a journal of visuotactile-study");
-    if (content->entries.empty())
-      continue; // the program ended before the participant began
-    auto participant = Participant::read(name, content->base, content->entries);
-    if (!participant)
-      return tl::unexpected("'" + data("") + "': " + participant.error());
-    participants_.push_back(*std::move(participant));
-  }
->>>>>>> study50
   return {};
 }
 
@@ -143,7 +126,7 @@ Folder::read_participant(const std::string &name)
     return tl::unexpected("'" + data(name + kEnding)
                           + "' is damaged; expected a journal of visuotactile-study");
   if (content->entries.empty())
-    return {}; // cut off before the participant began
+    return {}; // the program ended before the participant began
   return Participant::read(name, content->base, content->entries)
       .map([&](std::unique_ptr<Participant> &&participant) {
         participants_.push_back(std::move(participant));

@@ -73,12 +73,8 @@ private:
   Study study_;
   files::File lock_;
   std::vector<std::unique_ptr<Participant>> participants_;
-<<<<<<< HEAD
   Settings damaged_;
-  std::map<std::string, files::Journal> journals_; ///< that were opened to write
-=======
   std::map<std::string, files::Journal> journals_; ///< open for writing
->>>>>>> study50
 };
 
 } // namespace study

@@ -16,15 +16,11 @@ enum class Phase
   failed, ///< the experimenter decides
 };
 
-<<<<<<< HEAD
 /// An object with a text for each name.
 std::string object_json(const Settings &settings);
 
-/// The state for the participant's page, which names no condition; null: nobody has begun.
-=======
 /// The state for the participant's page, without names of conditions. `participant`: null before
 /// one begins.
->>>>>>> study50
 std::string page_state(const Study &study, const Participant *participant, Phase phase,
                        std::int64_t at = now());
 

@@ -49,11 +49,7 @@ constexpr Setting kSettings[] = {
   { "calibration", "" },
 };
 
-<<<<<<< HEAD
 /// Names of columns of the table and of the report's, and words of R: no factor may have one.
-=======
-/// Columns of the table: no factor may have such a name.
->>>>>>> study50
 constexpr std::string_view kColumns[] = {
   "participant",  "state",
   "group",        "session",

@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 
-from study_page import Person, Server, answers_of, chromium, exported, paper_study, run_study, small_study, wait_until
+from study_page import Person, Server, answers_of, chromium, change, exported, paper_study, run_study, small_study, wait_until
 from selenium.webdriver.common.by import By
 
 people = 2
@@ -168,6 +168,35 @@ def a_film_that_is_cut_off(driver):
         assert {row["marks"] for row in exported(folder)} == {"repeated stopped not-shown simulated"}
 
 
+def the_chair_stops_first(_):
+    """A film is stopped: motors pause before the masking noise ends, whose sound server may hang."""
+    read, write = os.pipe()
+    with subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24"], pass_fds=[write], stderr=subprocess.DEVNULL) as screen:
+        os.close(write)
+        with os.fdopen(read, encoding="ascii") as line:
+            display = ":" + line.readline().strip()
+        try:
+            with small_study(buffers=3600, rate=1) as folder:
+                change(folder, ("film=film.mkv", "film=film.mkv\nnoise=0.1"))
+                log = folder / "states.log"
+                log.touch()
+                env = {**os.environ, "DISPLAY": display, "GST_DEBUG": "GST_STATES:5", "GST_DEBUG_FILE": str(log), "GST_DEBUG_NO_COLOR": "1"}
+                with Server(folder, env=env) as server:
+                    server.act("start")
+                    for step, answer in (("consent", "3"), ("instructions", "")):
+                        assert server.post("step", {"step": step, "answer": answer, "response": 1}).status == 200
+                    assert server.post("play", {"step": "1/film"}).status == 200
+                    wait_until("the film and the noise", lambda: all(f"<{name}> completed state change to PLAYING" in log.read_text() for name in ("chair", "audiotestsrc0")))
+                    before = log.stat().st_size
+                    server.act("stop")
+                    wait_until("the end", lambda: server.state()["step"]["phase"] == "failed")
+                    stopped = log.read_bytes()[before:].decode()
+                    assert 0 < stopped.index("<chair>") < stopped.index("audiotestsrc0"), stopped[:2000]
+                    assert "doubts" in (folder / "data/P01.journal").read_text()
+        finally:
+            screen.kill()
+
+
 def a_participant_is_dropped(driver):
     """The page returns to its beginning, and the next participant has the same order."""
     with small_study() as folder, Server(folder) as server:
@@ -205,7 +234,7 @@ def hostile_requests(driver):
         assert server.state()["step"]["name"] == "consent"
 
 
-TESTS = [the_paper_study, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
+TESTS = [the_paper_study, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, the_chair_stops_first, a_participant_is_dropped, hostile_requests]
 
 if __name__ == "__main__":
     names = [word for word in sys.argv[1:] if not word.startswith("--")]

@@ -52,11 +52,11 @@ def run_study(*words, **more):  # R needs ten seconds on an idle machine
 class Server(Desk):
     """visuotactile-study run; `with` ends it as Ctrl-C does. Asks and answers like the desk."""
 
-    def __init__(self, folder, *options):
+    def __init__(self, folder, *options, env=None):
         self.folder = pathlib.Path(folder)
         self.errors = self.folder / "errors.txt"
-        words = [os.environ["STUDY"], "run", str(folder), "--no-browser", "--no-window", "--driver=simulator", *map(str, options)]
-        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=self.errors.open("ab"), text=True)
+        words = [os.environ["STUDY"], "run", str(folder), "--no-browser", *(() if env else ("--no-window",)), "--driver=simulator", *map(str, options)]
+        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=self.errors.open("ab"), text=True, env=env)
         self.address = self.process.stdout.readline().strip()
         if not self.address:
             self.process.wait(LATEST)

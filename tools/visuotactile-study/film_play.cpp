@@ -255,12 +255,7 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   }
   noise_.reset();
-<<<<<<< HEAD
   count_frames();
-=======
-  count_frames();                                           // the counts are lost after PLAYING
-  gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
->>>>>>> study50
   result_.outcome = outcome;
   result_.text = text;
   if (!is_audio_ && result_.chair.empty())
