@@ -37,6 +37,9 @@ constexpr std::int64_t kShortWindow = steps(1.5);
 constexpr int kMostAbsent = 3;
 constexpr double kUsually = 0.8;
 constexpr double kForgets = 0.1; ///< weight of a comparison in Lock::present
+// The place that was found first may be a repetition of the true one.
+constexpr int kLooksAround = 24; ///< comparisons: 12 s
+constexpr int kLookAroundEvery = 4;
 constexpr std::size_t kOrigins = 9;
 constexpr double kLostSound = 40e6; ///< ns
 
@@ -179,9 +182,30 @@ Listener::is_sure(const Candidate &candidate)
   return steps_ - hope_->since >= kAWhile;
 }
 
+/// Forgets the place where another is better.
+void
+Listener::look_around()
+{
+  std::vector<Candidate> found;
+  look_up(lock_->rate, found);
+  const std::int64_t heard = steps_ - std::max(fresh_, steps_ - kMost);
+  const auto here = fit_at(lock_->film, lock_->rate, lock_->origin, heard, kReach);
+  const bool is_worse
+      = here && std::ranges::any_of(found, [&](const Candidate &one) {
+          return one.score > here->score
+                 && (one.film != lock_->film || std::abs(one.step - lock_->origin) > kNear);
+        });
+  if (is_worse)
+    lock_.reset();
+}
+
 std::optional<Heard>
 Listener::track()
 {
+  if (++lock_->looks <= kLooksAround && lock_->looks % kLookAroundEvery == 0)
+    look_around();
+  if (!lock_)
+    return search();
   Lock &lock = *lock_;
   const bool there = is_there(lock);
   const auto found = fit_at(lock.film, lock.rate, lock.origin, kWindow, kReach);

@@ -49,6 +49,7 @@ private:
     double rate = 1;              ///< nominal
     double origin = 0;            ///< step of the film at step 0 of the heard sound
     std::deque<double> origins{}; ///< the last measured ones; `origin` is their median
+    int looks = 0;                ///< comparisons so far
     int misses = 0;               ///< comparisons in a row that did not fit
     int absent = 0;               ///< likewise, of the newest sound alone
     double present = 0;           ///< share of comparisons that fit it
@@ -75,6 +76,7 @@ private:
   bool is_sure(const Candidate &candidate);
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
+  void look_around();
   std::optional<Fit> fit_at(std::size_t film, double rate, double step, std::int64_t onsets,
                             int reach) const;
   Heard heard(const Lock &lock, double score) const;

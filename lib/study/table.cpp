@@ -61,7 +61,7 @@ private:
 };
 
 std::string
-joined(const Settings &levels)
+levels_text(const Settings &levels)
 {
   std::string text;
   for (const auto &[factor, level] : levels)
@@ -180,8 +180,9 @@ order_table(const Folder &folder)
         .field(static_cast<std::int64_t>(participant->place().group) + 1)
         .field(static_cast<std::int64_t>(participant->place().row) + 1);
     for (int session = 1; session <= static_cast<int>(sessions); session++)
-      csv.field(session <= participant->sessions() ? joined(participant->condition(session).levels)
-                                                   : "");
+      csv.field(session <= participant->sessions()
+                    ? levels_text(participant->condition(session).levels)
+                    : "");
     csv.end();
   }
   return csv.text();

@@ -176,7 +176,7 @@ Pool::Pool(const std::string &folder)
     else if (name.starts_with("speech_"))
       (count++ % 4 == 0 ? other_speech_ : speech_).push_back(read(path));
     else if (name.starts_with("effect_"))
-      effects_.push_back(read(path));
+      (count++ % 5 == 0 ? other_effects_ : effects_).push_back(read(path));
   }
   if (music_.empty() || speech_.empty() || effects_.empty())
     throw std::runtime_error("'" + folder
@@ -187,6 +187,7 @@ Sound
 Pool::film(int number, double seconds) const
 {
   Random random(static_cast<std::uint64_t>(number) * 7919 + 1);
+  const bool others = number >= kOthers;
   Sound mix(samples(seconds));
   for (std::size_t at = 0; at < mix.size();) {
     const std::size_t count = std::min(samples(random.uniform(8, 25)), mix.size() - at);
@@ -197,12 +198,15 @@ Pool::film(int number, double seconds) const
     } else {
       const int kind = random.below(10);
       if (kind < 7)
-        add_any(mix, at, count, music_, random, 0.1 * gain(random.uniform(-18, 0)), 0.9, 1.1);
+        add_any(mix, at, count, others ? other_music_ : music_, random,
+                0.1 * gain(random.uniform(-18, 0)), 0.8, 1.2);
       if (kind >= 4)
-        add_any(mix, at, count, speech_, random, 0.1 * gain(random.uniform(-6, 0)), 0.93, 1.07);
+        add_any(mix, at, count, others ? other_speech_ : speech_, random,
+                0.1 * gain(random.uniform(-6, 0)), 0.8, 1.25);
       for (std::size_t then = at; then < at + count; then += samples(random.uniform(0.5, 6)))
-        add_any(mix, then, std::min(samples(random.uniform(0.5, 3)), at + count - then), effects_,
-                random, 0.1 * gain(random.uniform(-15, 3)), 0.8, 1.25);
+        add_any(mix, then, std::min(samples(random.uniform(0.5, 3)), at + count - then),
+                others ? other_effects_ : effects_, random, 0.1 * gain(random.uniform(-15, 3)), 0.7,
+                1.4);
     }
     at += count;
   }

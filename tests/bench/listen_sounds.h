@@ -20,8 +20,10 @@ class Pool
 public:
   explicit Pool(const std::string &folder);
 
-  /// A film without a name: scenes of music, speech and effects; each fourth one is synthetic.
+  /// A film: scenes of music, speech and effects; each fourth one is synthetic. Those from kOthers
+  /// on are of other recordings.
   Sound film(int number, double seconds) const;
+  static constexpr int kOthers = 1'000'000;
   /// Other music and other people, which are in no film.
   Sound music(std::uint64_t seed, double seconds) const;
   Sound speech(std::uint64_t seed, double seconds) const;
@@ -32,6 +34,7 @@ private:
   std::vector<Sound> speech_;
   std::vector<Sound> other_speech_;
   std::vector<Sound> effects_;
+  std::vector<Sound> other_effects_;
 };
 
 Sound pink_noise(std::uint64_t seed, double seconds);

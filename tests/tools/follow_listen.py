@@ -4,8 +4,9 @@
 used is said. By ear a real mpv at PulseAudio's null sink is felt when it is by mpv's own report.
 
 Expects what follow_stage.py does, TRACK, ffmpeg and pulseaudio.
-Usage: follow_listen.py [PART ...]      of file, server, player; all by default"""
+Usage: follow_listen.py [PART ...]      of file, server and, by hand on an idle computer, player; all by default"""
 
+import contextlib
 import functools
 import http.server
 import math
@@ -64,7 +65,7 @@ def make_film():
     assert "Known.heard" in said, said
     assert (library / "Known.heard").stat().st_size < 40_000
     heard = work / "heard.wav"
-    subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "25", str(heard)], check=True)
+    subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "20", str(heard)], check=True)
     return film, library, heard
 
 
@@ -92,7 +93,7 @@ class Listener:
 
 def expect_pulses(felt):
     """Each second one. A loaded computer may lose some, but puts none elsewhere."""
-    assert len(felt) >= 8, felt
+    assert len(felt) >= 5, felt
     phase = statistics.median((at - felt[0] + 0.5) % 1 - 0.5 for at in felt)
     off = [abs((at - felt[0] - phase + 0.5) % 1 - 0.5) for at in felt]
     assert statistics.median(off) < 0.03, off
@@ -110,7 +111,7 @@ def file():
     expect_pulses(listener.onsets())
     (library / "Torn.heard").unlink()
     # Another film.
-    other = make_sound(work / "other.wav", 6, 20)
+    other = make_sound(work / "other.wav", 6, 12)
     listener = Listener("other", f"--listen={other}", f"--tracks={library}", "--mpv=/nowhere")
     listener.end()
     assert "plays" not in listener.said(), listener.said()
@@ -152,25 +153,28 @@ def player():
     sound = NullSink(work)
     started.append(sound.process)
     os.environ["PULSE_SERVER"] = f"unix:{sound.socket}"
-    mpv = Mpv(film, "--ao=pulse", "--audio-device=pulse/null", "--loop", "--start=5")
+    mpv = Mpv(film, "--ao=pulse", "--audio-device=pulse/null", "--start=5", "--end=45", "--pause")
     by_ear = Listener("ear", "--listen=null.monitor", f"--tracks={library}", "--mpv=/nowhere")
     by_report = Listener("report", f"--mpv={mpv.path}", f"--tracks={library}", "--no-drafts")
     both = Listener("both", "--listen=null.monitor", f"--mpv={mpv.path}", f"--tracks={library}", "--no-drafts")
-    by_ear.wait_for("plays 'Known.mkv' with the track of its entry")
+    for listener in (by_ear, both):
+        listener.wait_for("listens to 'null.monitor'")
     by_report.wait_for("plays 'Known.mkv' with '")
-    both.wait_for("listens to 'null.monitor'")
-    wait_until("ten pulses by ear", lambda: len(by_ear.onsets()) >= 10 and len(by_report.onsets()) >= 10)
-    # mpv reports its position, so it is followed.
-    assert "mpv at" in both.said() and "listen ('null.monitor') plays" not in both.said(), both.said()
+    mpv.command("set_property", "pause", False)
+    by_ear.wait_for("plays 'Known.mkv' with the track of its entry")
+    mpv.process.wait(LATEST)
     for listener in (by_ear, by_report, both):
-        listener.process.send_signal(signal.SIGINT)
+        with contextlib.suppress(ProcessLookupError):
+            listener.process.send_signal(signal.SIGINT)  # it may have ended with mpv
         listener.end()
     truth = by_report.onsets()
     off = [min((at - other for other in truth), key=abs) * 1000 for at in by_ear.onsets() if truth[0] - 0.5 < at < truth[-1] + 0.5]
     sizes = sorted(map(abs, off))
     print(f"{len(off)} pulses by ear against mpv's report: median {statistics.median(off):+.1f} ms, p95 {sizes[len(sizes) * 95 // 100]:.1f} ms")
     assert len(off) >= 5 and abs(statistics.median(off)) < 100, off
-    mpv.quit()
+    # mpv reports its position, so it is followed.
+    off = [min(abs(at - other) for other in truth) for at in both.onsets()]
+    assert len(off) >= 5 and statistics.median(off) < 0.02, off
     sound.stop()
 
 

@@ -72,7 +72,7 @@ learned(std::uint64_t seed)
                                                       .sound = maker.finish() }));
 }
 
-constexpr std::uint64_t kFilms = 4;
+constexpr std::uint64_t kFilms = 3;
 
 const listen::Catalogue &
 catalogue()
@@ -148,13 +148,14 @@ GST_END_TEST;
 
 GST_START_TEST(test_any_rate)
 {
-  for (const int rate : { 8000, 44100, 48000 }) {
+  for (const int rate : { 8000, 44100 }) {
     listen::Listener listener(catalogue(), rate);
     const Sound sound = film(3, rate);
-    const auto all = hear(listener, from(sound, 12, rate), rate);
+    const auto all
+        = hear(listener, from(sound, 12, rate).first(static_cast<std::size_t>(12 * rate)), rate);
     expect_film(all, 12, 1, 1);
     fail_unless(all.front().at <= 5s && all.front().rate == 1);
-    fail_unless(all.size() > 40, "%zu looks in 28 s", all.size());
+    fail_unless(all.size() > 12, "%zu looks in 12 s", all.size());
   }
 }
 GST_END_TEST;
@@ -165,7 +166,7 @@ GST_START_TEST(test_television)
   for (const double speed : { 25.0 / 24, 24.0 / 25 }) {
     listen::Listener listener(catalogue(), kRate);
     const Sound sound = film(3, kRate, speed);
-    const auto all = hear(listener, from(sound, 10), kRate);
+    const auto all = hear(listener, from(sound, 10).first(10 * kRate), kRate);
     expect_film(all, 10 * speed, speed, 2);
     fail_unless_equals_float(all.front().rate, speed);
   }
@@ -186,15 +187,15 @@ GST_END_TEST;
 GST_START_TEST(test_unknown)
 {
   Random random(1);
-  Sound noise(60 * kRate);
+  Sound noise(20 * kRate);
   for (float &sample : noise)
     sample = static_cast<float>(random.uniform(-0.5, 0.5));
   listen::Listener of_noise(catalogue(), kRate);
   fail_unless(hear(of_noise, noise, kRate).empty());
   listen::Listener of_silence(catalogue(), kRate);
-  fail_unless(hear(of_silence, Sound(20 * kRate), kRate).empty());
+  fail_unless(hear(of_silence, Sound(10 * kRate), kRate).empty());
   listen::Listener of_another(catalogue(), kRate);
-  fail_unless(hear(of_another, film(kFilms + 1), kRate).empty());
+  fail_unless(hear(of_another, film(kFilms + 1, kRate, 1, 20), kRate).empty());
   const listen::Catalogue none;
   listen::Listener of_nothing(none, kRate);
   fail_unless(hear(of_nothing, film(3), kRate).empty());
@@ -213,7 +214,7 @@ GST_START_TEST(test_noise)
   for (float &sample : sound)
     sample += static_cast<float>(random.uniform(-most, most));
   listen::Listener listener(catalogue(), kRate);
-  const auto all = hear(listener, from(sound, 5), kRate);
+  const auto all = hear(listener, from(sound, 5).first(15 * kRate), kRate);
   expect_film(all, 5, 1, 3);
   fail_unless(all.front().at <= 10s);
 }
@@ -271,11 +272,12 @@ GST_END_TEST;
 GST_START_TEST(test_alike)
 {
   std::vector<listen::Entry> entries;
-  for (const std::uint64_t seed : { 3, 3, 4 })
+  for (const std::uint64_t seed : { 3, 3, 2 })
     entries.push_back(unwrap(listen::Entry::of(learned(seed))));
   const listen::Catalogue films(std::move(entries));
   listen::Listener listener(films, kRate);
-  fail_unless(hear(listener, film(3), kRate).empty());
+  const Sound sound = film(3);
+  fail_unless(hear(listener, from(sound, 0).first(15 * kRate), kRate).empty());
 }
 GST_END_TEST;
 

@@ -387,6 +387,7 @@ study_suite(void)
   Suite *suite = suite_create("study");
   TCase *tests = tcase_create("study");
   suite_add_tcase(suite, tests);
+  tcase_set_timeout(tests, 120); // each event is written to the disk
   tcase_add_test(tests, test_steps);
   tcase_add_test(tests, test_nothing_is_lost);
   tcase_add_test(tests, test_one_at_a_time);

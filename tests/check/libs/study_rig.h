@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <fstream> // before gstcheck.h, which has a macro `fail`
+
 #include "study/folder.h"
 
 #include <gst/check/gstcheck.h>
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <string>
