@@ -12,7 +12,7 @@ namespace {
 class Csv
 {
 public:
-  /// What a person wrote. A spreadsheet would compute what begins like a formula.
+  /// A text of a person. A spreadsheet would compute one that begins like a formula.
   Csv &written(const std::string &text)
   {
     const bool is_formula

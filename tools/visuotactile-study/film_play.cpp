@@ -244,8 +244,8 @@ void
 FilmPlay::end(Outcome outcome, const std::string &text)
 {
   watch_ = 0;
-  // Motors to zero before all that may take its time: an audio server may hang, and what a picture's
-  // sink has counted is gone once it pauses.
+  // Motors to zero before all that may take its time: an audio server may hang. The other sinks go
+  // on, as the picture's loses its counts when it pauses.
   gst_element_set_state(chair_.get(), GST_STATE_PAUSED);
   if (noise_) {
     const Owned<GstBus> bus(gst_element_get_bus(noise_.get()));
