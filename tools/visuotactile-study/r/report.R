@@ -100,7 +100,7 @@ for (i in seq_along(pages)) {
 
 anova_table <- function(rows) data.frame(Question = rows$question, Effect = rows$effect, n = rows$n, F = sprintf("F(%s, %s) = %s", sub("\\.00$", "", number(rows$df1)), sub("\\.00$", "", number(rows$df2)), number(rows$F)),
                                          p = p_text(rows$p), "gen. eta2" = number(rows$ges, 3), "part. eta2" = number(rows$pes, 3), check.names = FALSE)
-means_table <- data.frame(Question = means$question, lapply(means[c(within_all, between_all)], as.character), n = means$n, Mean = number(means$mean), SE = number(means$se), check.names = FALSE)
+means_table <- data.frame(Question = means$question, means[c(within_all, between_all)], n = means$n, Mean = number(means$mean), SE = number(means$se), check.names = FALSE)
 
 # Published results beside those of this study. An effect is a factor, or FACTOR=LEVEL for a mean.
 here <- function(question, effect, statistic) {
