@@ -92,14 +92,6 @@ class Listener:
         return follow_trace.onsets(follow_trace.read_trace(self.trace))
 
 
-def expect_pulses(felt):
-    """Each second one. A loaded computer may lose some, but puts none elsewhere."""
-    assert len(felt) >= 5, felt
-    phase = statistics.median((at - felt[0] + 0.5) % 1 - 0.5 for at in felt)
-    off = [abs((at - felt[0] - phase + 0.5) % 1 - 0.5) for at in felt]
-    assert statistics.median(off) < 0.03, off
-
-
 def file():
     _, library, heard = make_film()
     (library / "Torn.heard").write_bytes((library / "Known.heard").read_bytes()[:1000])
@@ -109,7 +101,7 @@ def file():
     listener.wait_for("plays 'Known.mkv' with the track of its entry")
     listener.end()
     assert "the sound has ended" in listener.said(), listener.said()
-    expect_pulses(listener.onsets())
+    assert len(listener.onsets()) >= 5, listener.onsets()  # when they come is film_listener's test
     (library / "Torn.heard").unlink()
     # Another film.
     other = make_sound(work / "other.wav", 6, 12)
