@@ -138,7 +138,7 @@ expect_felt(levels, offset)
 film = work / "late"
 film.mkdir()
 run("ffmpeg", "-v", "error", "-f", "lavfi", "-i", "sine=duration=4", "-itsoffset", "1.5", "-f", "lavfi", "-i", "testsrc=size=320x240:rate=25:duration=2",
-    "-c:v", "libx264", "-preset", "ultrafast", "-pix_fmt", "yuv420p", "-c:a", "aac", "-f", "hls", "-hls_list_size", "0",
+    "-c:v", "libx264", "-preset", "ultrafast", "-pix_fmt", "yuv420p", "-fps_mode", "passthrough", "-c:a", "aac", "-f", "hls", "-hls_list_size", "0",
     "-master_pl_name", "master.m3u8", film / "video.m3u8")
 run(os.environ["TRACK"], "hls", film / "master.m3u8", track)
 first = {kind: min(float(line) for line in run("ffprobe", "-v", "error", "-select_streams", kind, "-show_entries", "packet=pts_time", "-of",
