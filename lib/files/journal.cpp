@@ -108,17 +108,22 @@ Journal::parse(std::string_view rest, const Kind &kind, std::size_t &size)
   return content;
 }
 
+std::string
+Journal::header(std::string_view base) const
+{
+  g_autofree gchar *text
+      = g_base64_encode(reinterpret_cast<const guchar *>(base.data()), base.size());
+  return std::string(kind_.header) + text + "\n";
+}
+
 tl::expected<void, std::string>
 Journal::append(std::string_view base, std::string_view entry)
 {
   std::string bytes;
   if (size_ + entry.size() + base.size() / 3 * 4 + kind_.header.size() + 8 > kLargest)
     return tl::unexpected("'" + path_ + "' is full; " + kind_.if_full);
-  if (size_ == 0) {
-    g_autofree gchar *text
-        = g_base64_encode(reinterpret_cast<const guchar *>(base.data()), base.size());
-    bytes = std::string(kind_.header) + text + "\n";
-  }
+  if (size_ == 0)
+    bytes = header(base);
   bytes.append(entry).append("\n");
   const auto size = static_cast<off_t>(size_);
   if (ftruncate(file_.descriptor(), size) == 0 && lseek(file_.descriptor(), size, SEEK_SET) == size
@@ -141,6 +146,18 @@ Journal::clear()
   if (fsync(file_.descriptor()) != 0)
     return tl::unexpected(file_error(path_));
   return {};
+}
+
+tl::expected<void, std::string>
+Journal::replace(std::string_view base, std::string_view entry)
+{
+  return replace_file(path_, header(base).append(entry).append("\n"))
+      .and_then([&](const std::string &) { return open(path_, kind_); })
+      .and_then([&](Journal &&fresh) {
+        *this = std::move(fresh);
+        return read();
+      })
+      .map([](const Content &) {});
 }
 
 void

@@ -44,6 +44,9 @@ public:
   /// Without entries from now on.
   tl::expected<void, std::string> clear();
 
+  /// A file with this one entry in its place: either the old one or the new one is on the disk.
+  tl::expected<void, std::string> replace(std::string_view base, std::string_view entry);
+
   /// Removes the file.
   void remove();
   /// Keeps the file under another name, and makes a new one. Returns the name.
@@ -55,6 +58,7 @@ public:
   }
 
 private:
+  std::string header(std::string_view base) const;
   static Content parse(std::string_view bytes, const Kind &kind, std::size_t &size);
   Journal(File file, std::string path, const Kind &kind)
       : file_(std::move(file)), path_(std::move(path)), kind_(kind)

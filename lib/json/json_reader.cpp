@@ -162,6 +162,15 @@ name_of_file(JsonObject *of, const char *name)
 }
 
 std::string
+whole_text(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  return node && JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_STRING
+             ? json_node_get_string(node)
+             : "";
+}
+
+std::string
 text(JsonObject *of, const char *name)
 {
   return text(member(of, name));

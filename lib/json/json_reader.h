@@ -55,6 +55,9 @@ std::optional<bool> truth(JsonObject *of, const char *name);
 /// A path or URI as it came, in any bytes; empty if there is none or if it has over 4096 bytes.
 std::string name_of_file(JsonObject *of, const char *name);
 
+/// A text as it came, of any length; empty if there is none.
+std::string whole_text(JsonObject *of, const char *name);
+
 /// A text for messages: of one line, 100 bytes at most. Empty if there is none.
 std::string text(JsonObject *of, const char *name);
 std::string text(JsonNode *node);

@@ -2,7 +2,7 @@
 #include "library/heard.h"
 
 #include "files/regular_file.h"
-#include "files/replace.h"
+#include "files/whole_file.h"
 #include "library/track_index.h"
 #include "library/web.h"
 #include "listen/catalogue.h"
@@ -11,7 +11,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <unistd.h>
+#include <utility>
 
 namespace library {
 
@@ -19,8 +19,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+bool
+stops(GCancellable *stop)
+{
+  return stop != nullptr && g_cancellable_is_cancelled(stop) != FALSE;
+}
+
 std::vector<listen::Entry>
-in_folder(const std::string &folder, std::vector<std::string> &complaints)
+in_folder(const std::string &folder, std::vector<std::string> &complaints, GCancellable *stop)
 {
   std::vector<std::string> paths;
   std::error_code error;
@@ -31,7 +37,7 @@ in_folder(const std::string &folder, std::vector<std::string> &complaints)
   std::ranges::sort(paths);
   std::vector<listen::Entry> entries;
   for (const std::string &path : paths) {
-    if (entries.size() >= listen::Catalogue::kMostFilms)
+    if (entries.size() >= listen::Catalogue::kMostFilms || stops(stop))
       break;
     auto entry = listen::Entry::open(path);
     if (entry)
@@ -42,49 +48,38 @@ in_folder(const std::string &folder, std::vector<std::string> &complaints)
   return entries;
 }
 
-/// Keeps it for the next time, if it can be written.
-void
-keep(const std::string &path, const std::string &bytes)
-{
-  const std::string part = path + ".part" + std::to_string(getpid());
-  auto file = files::create(part);
-  if (!file)
-    return;
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t piece = write(file->descriptor(), bytes.data() + done, bytes.size() - done);
-    if (piece <= 0)
-      break;
-    done += static_cast<std::size_t>(piece);
-  }
-  if (done != bytes.size() || !files::replace(*file, part, path))
-    unlink(part.c_str());
-}
-
-/// An entry that was fetched once and is still the listed one; else of the server.
-tl::expected<listen::Entry, std::string>
-listed(const std::string &where, const IndexEntry &listed, GCancellable *stop)
+std::string
+kept_folder()
 {
   g_autofree gchar *folder
       = g_build_filename(g_get_user_cache_dir(), "visuotactile", "heard", nullptr);
-  const std::string path = (fs::path(folder) / (listed.heard_sum + listen::kEntryEnding)).string();
-  if (const auto kept = files::read(path, listen::kMostEntry);
-      kept && content_sum(*kept) == listed.heard_sum)
-    if (auto entry = listen::Entry::open(path))
-      return entry;
+  return folder;
+}
+
+/// Returns the path of an entry in the cache. It is fetched unless the cache has the listed one.
+tl::expected<std::string, std::string>
+kept(const std::string &where, const IndexEntry &listed, GCancellable *stop)
+{
+  const std::string path
+      = (fs::path(kept_folder()) / (listed.heard_sum + listen::kEntryEnding)).string();
+  if (const auto bytes = files::read(path, listen::kMostEntry);
+      bytes && content_sum(*bytes) == listed.heard_sum) {
+    std::error_code error;
+    fs::last_write_time(path, fs::file_time_type::clock::now(), error); // it is used
+    return path;
+  }
   g_autofree gchar *escaped = g_uri_escape_string(listed.heard.c_str(), "/", FALSE);
-  auto bytes = fetch(where + escaped, listen::kMostEntry, stop);
+  const auto bytes = fetch(where + escaped, listen::kMostEntry, stop);
   if (!bytes)
     return tl::unexpected(bytes.error());
   if (content_sum(*bytes) != listed.heard_sum)
     return tl::unexpected(
         "'" + where + escaped
         + "' is not what the index lists; make it again with tactile-track index");
-  if (g_mkdir_with_parents(folder, 0700) == 0)
-    keep(path, *bytes);
-  if (auto entry = listen::Entry::open(path))
-    return entry;
-  return listen::Entry::of(*std::move(bytes));
+  g_mkdir_with_parents(kept_folder().c_str(), 0700); // if it fails, so does the next
+  if (const auto written = files::replace_file(path, *bytes); !written)
+    return tl::unexpected(written.error());
+  return path;
 }
 
 std::vector<listen::Entry>
@@ -101,17 +96,34 @@ on_server(std::string where, std::vector<std::string> &complaints, GCancellable 
     return {};
   }
   std::vector<listen::Entry> entries;
+  std::set<std::string> used;
+  std::uintmax_t bytes = 0;
+  std::size_t left_out = 0;
   for (const IndexEntry &one : *index) {
-    if (one.heard.empty() || entries.size() >= listen::Catalogue::kMostFilms)
+    if (one.heard.empty())
       continue;
-    if (stop != nullptr && g_cancellable_is_cancelled(stop) != FALSE)
-      break;
-    auto entry = listed(where, one, stop);
-    if (entry)
-      entries.push_back(*std::move(entry));
-    else
+    if (stops(stop))
+      return entries;
+    if (bytes >= kMostHeard || entries.size() >= listen::Catalogue::kMostFilms) {
+      left_out++;
+      continue;
+    }
+    const auto path = kept(where, one, stop);
+    auto entry = path.and_then(listen::Entry::open);
+    if (!entry) {
       complaints.push_back(entry.error());
+      continue;
+    }
+    std::error_code error;
+    bytes += fs::file_size(*path, error);
+    used.insert(*path);
+    entries.push_back(*std::move(entry));
   }
+  if (left_out > 0)
+    complaints.push_back(std::to_string(left_out) + " entries of '" + where
+                         + "' are left out: at most 8 GiB are fetched; copy the library to a "
+                           "folder and give that to --tracks");
+  remove_unused(kept_folder(), used, kMostHeard);
   return entries;
 }
 
@@ -125,12 +137,44 @@ content_sum(const std::string &bytes)
   return sum;
 }
 
+void
+remove_unused(const std::string &folder, const std::set<std::string> &used,
+              std::uintmax_t most_bytes)
+{
+  struct File
+  {
+    bool is_used;
+    fs::file_time_type last;
+    std::uintmax_t size;
+    std::string path;
+  };
+  std::vector<File> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string path = entry->path().string();
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored))
+      files.push_back({ .is_used = used.contains(path),
+                        .last = entry->last_write_time(ignored),
+                        .size = entry->file_size(ignored),
+                        .path = path });
+  }
+  std::ranges::sort(files, std::ranges::greater(),
+                    [](const File &file) { return std::pair(file.is_used, file.last); });
+  std::uintmax_t bytes = 0;
+  for (const File &file : files)
+    if ((bytes += file.size) > most_bytes && !file.is_used)
+      fs::remove(file.path, error);
+}
+
 std::vector<listen::Entry>
 heard_entries(const std::string &where, std::vector<std::string> &complaints, GCancellable *stop)
 {
   if (where.empty())
     return {};
-  return is_address(where) ? on_server(where, complaints, stop) : in_folder(where, complaints);
+  return is_address(where) ? on_server(where, complaints, stop)
+                           : in_folder(where, complaints, stop);
 }
 
 } // namespace library

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string_view>
 #include <utility>
 
 namespace listen {
 
 namespace {
 
+constexpr std::size_t kMostVotes = std::size_t{ 32 } << 20; ///< 128 MiB, twice
 constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
 
 /// Sorts in three rounds of 11 bits.
@@ -33,21 +36,22 @@ sort_by_radix(std::vector<std::uint32_t> &values)
 HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
                      std::size_t most_bytes)
 {
+  const auto fits = [most_bytes](std::int64_t seconds, unsigned rank) {
+    return 4 * (static_cast<std::size_t>(seconds * kOfRank[rank]) + kValues) <= most_bytes;
+  };
   std::int64_t seconds = 1;
   std::int64_t start = kGap;
-  std::size_t count = 0;
   for (const std::int64_t frames : films) {
     const std::int64_t units = frames / kUnit + 1 + kGap;
-    if (start + units > std::int64_t{ 0xffff'ffff })
+    seconds += second_of(frames) + 1;
+    if (start + units > std::int64_t{ 0xffff'ffff } || !fits(seconds, 0))
       break; // no room for more
     starts_.push_back(static_cast<std::uint32_t>(start));
     start += units;
-    seconds += static_cast<std::int64_t>(static_cast<double>(frames) / PeakFinder::kFrameRate) + 1;
-    count++;
   }
+  const std::size_t count = starts_.size();
   unsigned rank = 0;
-  while (rank + 1 < kRanks
-         && static_cast<std::size_t>(seconds * kOfRank[rank + 1]) * 4 + kValues * 4 <= most_bytes)
+  while (rank + 1 < kRanks && fits(seconds, rank + 1))
     rank++;
   begins_.resize(kValues + 1);
   for (std::size_t film = 0; film < count; film++)
@@ -70,13 +74,20 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
   if (places_.empty())
     return {};
   std::vector<std::uint32_t> votes;
-  for (const Hash &hash : heard) {
-    const std::size_t begin = begins_[hash.value];
-    const std::size_t end = begins_[hash.value + 1];
-    const auto at = static_cast<std::uint32_t>(hash.frame / kUnit);
-    if (end - begin <= common_)
-      for (std::size_t i = begin; i < end; i++)
-        votes.push_back(places_[i] - at);
+  for (std::size_t common = common_; common > 0; common /= 2) {
+    std::size_t count = 0;
+    for (const Hash &hash : heard)
+      if (const std::size_t places = begins_[hash.value + 1] - begins_[hash.value];
+          places <= common)
+        count += places;
+    if (count > kMostVotes)
+      continue;
+    votes.reserve(count);
+    for (const Hash &hash : heard)
+      if (begins_[hash.value + 1] - begins_[hash.value] <= common)
+        for (std::size_t i = begins_[hash.value]; i < begins_[hash.value + 1]; i++)
+          votes.push_back(places_[i] - static_cast<std::uint32_t>(hash.frame / kUnit));
+    break;
   }
   sort_by_radix(votes);
   std::vector<Place> found;
@@ -120,8 +131,11 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
   return found;
 }
 
-Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes) : films_(std::move(films))
+Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
+                     const std::function<bool()> &stops)
+    : films_(std::move(films))
 {
+  remove_copies();
   if (films_.size() > kMostFilms)
     films_.erase(films_.begin() + kMostFilms, films_.end());
   std::vector<std::int64_t> frames;
@@ -129,8 +143,46 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes) : films_(
   for (const Entry &film : films_)
     frames.push_back(static_cast<std::int64_t>(film.steps() * Onsets::kHop / PeakFinder::kHop));
   index_ = HashIndex(
-      frames, [this](std::size_t film, unsigned rank) { return films_[film].hashes(rank); },
+      frames,
+      [&](std::size_t film, unsigned rank) {
+        return stops && stops() ? std::vector<RankedHash>{} : films_[film].hashes(rank);
+      },
       most_bytes);
+  if (const std::size_t left = films_.size() - index_.films(); left > 0)
+    complaints_.push_back(std::to_string(left) + " of " + std::to_string(films_.size())
+                          + " films are not listened for, as the memory for the others is full");
+}
+
+/// Films with the same sound cannot be distinguished: the first one counts.
+void
+Catalogue::remove_copies()
+{
+  // The sound at 16 moments, of 1 s each.
+  const auto sample = [](const Entry &film) {
+    constexpr std::size_t kMoments = 16;
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t i = 0; i < kMoments; i++)
+      if (const auto moment = film.reference(static_cast<std::int64_t>(film.steps() * i / kMoments),
+                                             Onsets::kOnsetRate))
+        bytes.insert(bytes.end(), moment->begin(), moment->end());
+    return std::hash<std::string_view>()(
+        { reinterpret_cast<const char *>(bytes.data()), bytes.size() });
+  };
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> kept; // by steps and sample
+  std::vector<Entry> films;
+  films.reserve(films_.size());
+  for (Entry &film : films_) {
+    const auto [first, is_new] = kept.try_emplace({ film.steps(), sample(film) }, films.size());
+    if (!is_new) {
+      complaints_.push_back("'" + film.film() + "' with '" + film.track_name()
+                            + "' has the sound of '" + films[first->second].film() + "' with '"
+                            + films[first->second].track_name()
+                            + "', which comes first; keep only one of the two entries");
+      continue;
+    }
+    films.push_back(std::move(film));
+  }
+  films_ = std::move(films);
 }
 
 } // namespace listen

@@ -35,6 +35,11 @@ public:
   /// The places with the most votes, at most `most`, the best first.
   std::vector<Place> search(std::span<const Hash> heard, std::size_t most) const;
 
+  /// Films that had room; the others are not found.
+  std::size_t films() const
+  {
+    return starts_.size();
+  }
   std::size_t bytes() const
   {
     return 4 * (begins_.size() + places_.size());
@@ -58,7 +63,9 @@ public:
   static constexpr std::size_t kMostFilms = 20'000;
 
   Catalogue() = default;
-  explicit Catalogue(std::vector<Entry> films, std::size_t most_bytes = kMostBytes);
+  /// `stops`: whether to give up, with films that are not found.
+  explicit Catalogue(std::vector<Entry> films, std::size_t most_bytes = kMostBytes,
+                     const std::function<bool()> &stops = {});
 
   const std::vector<Entry> &films() const
   {
@@ -68,9 +75,17 @@ public:
   {
     return index_;
   }
+  /// Films that cannot be found, for the user.
+  const std::vector<std::string> &complaints() const
+  {
+    return complaints_;
+  }
 
 private:
+  void remove_copies();
+
   std::vector<Entry> films_;
+  std::vector<std::string> complaints_;
   HashIndex index_;
 };
 

@@ -6,10 +6,11 @@
 // waits.
 #include "listen/entry.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -84,21 +85,31 @@ write_entry(const NewEntry &entry)
   return bytes;
 }
 
-tl::expected<Entry, std::string>
-Entry::open(const std::string &path)
+Entry::Version
+Entry::version(int descriptor)
 {
-  Entry entry;
-  auto file = files::open_regular(path);
-  if (!file)
-    return Error(file.error().reason);
-  entry.file_ = *std::move(file);
   struct stat found
   {
   };
-  if (fstat(entry.file_.descriptor(), &found) != 0)
-    return Error(std::strerror(errno));
-  const auto size = static_cast<std::size_t>(found.st_size);
-  const auto read = entry.read_head(size);
+  if (fstat(descriptor, &found) != 0)
+    return {};
+  return { .device = found.st_dev,
+           .number = found.st_ino,
+           .size = found.st_size,
+           .changed
+           = std::int64_t{ found.st_mtim.tv_sec } * 1'000'000'000 + found.st_mtim.tv_nsec };
+}
+
+tl::expected<Entry, std::string>
+Entry::open(const std::string &path)
+{
+  const auto file = files::open_regular(path);
+  if (!file)
+    return Error(file.error().reason);
+  Entry entry;
+  entry.path_ = path;
+  entry.version_ = version(file->descriptor());
+  const auto read = entry.read_head(static_cast<std::size_t>(entry.version_.size));
   if (!read)
     return Error(read.error());
   return entry;
@@ -158,13 +169,18 @@ Entry::read_head(std::size_t size)
 std::optional<std::string>
 Entry::read(std::size_t from, std::size_t count) const
 {
-  if (!file_)
+  if (path_.empty())
     return bytes_.substr(std::min(from, bytes_.size()), count);
+  const auto file = files::open_regular(path_);
+  if (!file || version(file->descriptor()) != version_)
+    return std::nullopt;
   std::string bytes(count, '\0');
   std::size_t done = 0;
   while (done < count) {
-    const ssize_t piece = pread(file_.descriptor(), bytes.data() + done, count - done,
+    const ssize_t piece = pread(file->descriptor(), bytes.data() + done, count - done,
                                 static_cast<off_t>(from + done));
+    if (piece < 0 && errno == EINTR)
+      continue;
     if (piece <= 0)
       return std::nullopt;
     done += static_cast<std::size_t>(piece);
@@ -185,12 +201,19 @@ Entry::hashes(unsigned rank) const
   const auto last = static_cast<std::int64_t>(steps_ * Onsets::kHop / PeakFinder::kHop);
   std::vector<RankedHash> hashes;
   std::int64_t frame = 0;
+  std::int64_t second = -1;
+  int count = 0;
   for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4) {
     const std::uint32_t word = number(bytes, at);
     frame += word >> 22U;
     if (frame > last)
       break;
-    if (const unsigned of = word >> 19U & 7U; of <= rank && of < kRanks)
+    const unsigned of = word >> 19U & 7U;
+    if (of > rank || of >= kRanks)
+      continue;
+    if (std::exchange(second, second_of(frame)) != second_of(frame))
+      count = 0;
+    if (count++ < kOfRank[rank])
       hashes.push_back({ .frame = frame, .value = word & ((1U << kHashBits) - 1), .rank = of });
   }
   return hashes;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "files/regular_file.h"
 #include "listen/film_sound.h"
 
 #include <cstdint>
@@ -36,7 +35,8 @@ tl::expected<std::string, std::string> write_entry(const NewEntry &entry);
 class Entry
 {
 public:
-  /// Opens a file, which stays open. The error is one line without the file's name.
+  /// Opens a file. Each read opens it again: a catalogue has more files than a process may have
+  /// open. The error is one line without the file's name.
   static tl::expected<Entry, std::string> open(const std::string &path);
   /// Reads the content of a file.
   static tl::expected<Entry, std::string> of(std::string bytes);
@@ -60,19 +60,31 @@ public:
   }
   /// Content of the track's file; none: the entry's file has changed.
   std::optional<std::string> track() const;
-  /// Hashes up to a rank.
+  /// Hashes up to a rank, of each second no more than kOfRank of it.
   std::vector<RankedHash> hashes(unsigned rank) const;
   /// Steps of the reference from step `from` on, 0 outside of the film; none: the entry's file has
   /// changed.
   std::optional<std::vector<std::uint8_t>> reference(std::int64_t from, std::size_t steps) const;
 
 private:
+  /// A file's content that does not change.
+  struct Version
+  {
+    std::uint64_t device = 0;
+    std::uint64_t number = 0; ///< of the inode
+    std::int64_t size = 0;
+    std::int64_t changed = 0; ///< ns
+    bool operator==(const Version &) const = default;
+  };
+
   Entry() = default;
+  static Version version(int descriptor);
   tl::expected<void, std::string> read_head(std::size_t size);
   std::optional<std::string> read(std::size_t from, std::size_t count) const;
 
-  files::File file_; ///< without it, bytes_ has the content
+  std::string path_; ///< empty: bytes_ has the content
   std::string bytes_;
+  Version version_{};
   std::string film_;
   std::string track_name_;
   Time duration_{ 0 };

@@ -35,7 +35,7 @@ std::vector<RankedHash>
 ranked(std::vector<Hash> hashes)
 {
   const auto second = [](const Hash &hash) {
-    return static_cast<std::int64_t>(static_cast<double>(hash.frame) / PeakFinder::kFrameRate);
+    return second_of(hash.frame);
   };
   std::ranges::sort(hashes, [&](const Hash &a, const Hash &b) {
     return std::pair(second(a), -a.strength) < std::pair(second(b), -b.strength);

@@ -28,6 +28,12 @@ inline constexpr unsigned kRanks = 5;
 /// Hashes a second up to each rank.
 inline constexpr std::array<int, kRanks> kOfRank = { 3, 6, 12, 24, 40 };
 
+inline std::int64_t
+second_of(std::int64_t frame)
+{
+  return static_cast<std::int64_t>(static_cast<double>(frame) / PeakFinder::kFrameRate);
+}
+
 /// The part of a film's sound that is kept.
 struct FilmSound
 {

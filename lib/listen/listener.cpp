@@ -22,14 +22,8 @@ constexpr std::int64_t kLeast = steps(2); ///< shortest sound for a search
 constexpr std::int64_t kMost = steps(10); ///< longest sound for a search
 constexpr std::size_t kPlaces = 24;       ///< found by a search and compared
 constexpr int kReach = 75;                ///< steps compared on each side of a place
-constexpr double kSame = 3;               ///< steps between two candidates for one place
-// Scores. Chance reaches 4.5 in one of ten searches, and 5.5 seldom.
-constexpr double kSure = 7;
-constexpr double kLikely = 5.7; ///< sure after kAWhile
-constexpr std::int64_t kAWhile = steps(1.5);
-constexpr double kAlike = 0.75; ///< share of the best score that makes another place as good
-constexpr double kStill = 5;    ///< least score while the film continues
-constexpr double kNear = 12;    ///< most steps by which the origin moves
+constexpr double kStill = 5;              ///< least score while the film continues
+constexpr double kNear = 12;              ///< most steps by which the origin moves
 constexpr std::int64_t kWindow = steps(4);
 constexpr int kMostMisses = 6; ///< 3 s
 // The end of a film shows sooner in the newest sound alone, if this sound usually fits.
@@ -81,6 +75,7 @@ Listener::forget()
 {
   began_.reset();
   lock_.reset();
+  decision_.forget();
   fresh_ = steps_;
 }
 
@@ -143,43 +138,22 @@ Listener::look_up(double rate, std::vector<Candidate> &found) const
   }
 }
 
-bool
-Listener::Candidate::is_at(const Candidate &other) const
-{
-  return film == other.film && rate == other.rate && std::abs(step - other.step) <= kSame;
-}
-
 std::optional<Heard>
 Listener::search()
 {
+  const std::array rates{ kRates[0], kRates[static_cast<std::size_t>(1 + round_++ % 2)] };
   std::vector<Candidate> found;
-  look_up(1, found);
-  look_up(kRates[static_cast<std::size_t>(1 + round_++ % 2)], found);
-  const auto best = std::ranges::max_element(found, {}, &Candidate::score);
-  const auto is_as_good = [&](const Candidate &one) {
-    return !one.is_at(*best) && one.score > kAlike * best->score;
-  };
-  if (best == found.end() || std::ranges::any_of(found, is_as_good) || !is_sure(*best))
+  for (const double rate : rates)
+    look_up(rate, found);
+  const auto best = decision_.take(found, rates, steps_);
+  if (!best)
     return std::nullopt;
-  hope_.reset();
   lock_ = Lock{
     .film = best->film, .rate = best->rate, .origin = best->step, .origins = { best->step }
   };
   Heard now = heard(*lock_, best->score);
   now.begins = true;
   return now;
-}
-
-bool
-Listener::is_sure(const Candidate &candidate)
-{
-  if (candidate.score >= kSure)
-    return true;
-  if (candidate.score < kLikely)
-    return false;
-  if (!hope_ || !hope_->candidate.is_at(candidate))
-    hope_ = Hope{ .candidate = candidate, .since = steps_ };
-  return steps_ - hope_->since >= kAWhile;
 }
 
 /// Forgets the place where another is better.

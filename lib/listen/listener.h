@@ -3,6 +3,7 @@
 
 #include "listen/catalogue.h"
 #include "listen/correlation.h"
+#include "listen/decision.h"
 #include "listen/film_sound.h"
 
 #include <cstdint>
@@ -54,26 +55,11 @@ private:
     int absent = 0;               ///< likewise, of the newest sound alone
     double present = 0;           ///< share of comparisons that fit it
   };
-  /// A place that a search found, in steps as Lock::origin.
-  struct Candidate
-  {
-    std::size_t film = 0;
-    double rate = 1;
-    double step = 0;
-    double score = 0;
-    bool is_at(const Candidate &other) const;
-  };
-  struct Hope
-  {
-    Candidate candidate;
-    std::int64_t since = 0; ///< step
-  };
 
   void keep_time(std::size_t count, Time at);
   void take_sound(std::span<const float> mono);
   std::optional<Heard> search();
   void look_up(double rate, std::vector<Candidate> &found) const;
-  bool is_sure(const Candidate &candidate);
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
   void look_around();
@@ -96,7 +82,7 @@ private:
   std::int64_t fresh_ = 0;     ///< step from which on searches use the sound
   std::int64_t looked_at_ = 0; ///< step
   int round_ = 0;
-  std::optional<Hope> hope_; ///< a candidate that is likely
+  Decision decision_;
   std::optional<Lock> lock_;
 };
 

@@ -62,4 +62,13 @@ Event::add_json(const char *name, const std::string &json)
   return *this;
 }
 
+std::string
+joined(const std::vector<std::string> &words)
+{
+  std::string text;
+  for (const std::string &word : words)
+    text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
 } // namespace study

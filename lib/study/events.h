@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace study {
 
@@ -32,6 +33,9 @@ public:
 private:
   std::string line_;
 };
+
+/// With spaces between.
+std::string joined(const std::vector<std::string> &words);
 
 /// A number in JSON, in any locale.
 std::string write_number(double number);

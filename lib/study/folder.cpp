@@ -18,7 +18,6 @@ namespace study {
 
 namespace {
 
-constexpr std::size_t kMostText = std::size_t{ 1 } << 20;
 constexpr const char *kFile = "study.ini";
 constexpr const char *kEnding = ".journal";
 constexpr files::Journal::Kind kJournal = { .header = "visuotactile study journal 1 ",
@@ -108,22 +107,30 @@ Folder::read_participants()
        entry.increment(error))
     if (entry->path().extension() == kEnding)
       names.push_back(entry->path().stem().string());
+  if (error && error != std::errc::no_such_file_or_directory) // Use::reads makes no folder
+    return tl::unexpected("'" + data("") + "': " + error.message());
   std::ranges::sort(names);
-  for (const std::string &name : names) {
-    const auto content = files::Journal::peek(data(name + kEnding), kJournal);
-    if (!content)
-      return tl::unexpected(content.error());
-    if (content->damaged)
-      return tl::unexpected("'" + data(name + kEnding)
-                            + "' is damaged; expected a journal of visuotactile-study");
-    if (content->entries.empty())
-      continue; // the program ended before the participant began
-    auto participant = Participant::read(name, content->base, content->entries);
-    if (!participant)
-      return tl::unexpected("'" + data("") + "': " + participant.error());
-    participants_.push_back(*std::move(participant));
-  }
+  for (const std::string &name : names)
+    if (const auto read = read_participant(name); !read)
+      damaged_.emplace(name, read.error());
   return {};
+}
+
+tl::expected<void, std::string>
+Folder::read_participant(const std::string &name)
+{
+  const auto content = files::Journal::peek(data(name + kEnding), kJournal);
+  if (!content)
+    return tl::unexpected(content.error());
+  if (content->damaged)
+    return tl::unexpected("'" + data(name + kEnding)
+                          + "' is damaged; expected a journal of visuotactile-study");
+  if (content->entries.empty())
+    return {}; // the program ended before the participant began
+  return Participant::read(name, content->base, content->entries)
+      .map([&](std::unique_ptr<Participant> &&participant) {
+        participants_.push_back(std::move(participant));
+      });
 }
 
 Participant *
@@ -168,6 +175,8 @@ Folder::journal(const std::string &name)
     return tl::unexpected(opened.error());
   if (const auto content = opened->read(); !content)
     return tl::unexpected(content.error());
+  else if (content->damaged)
+    return tl::unexpected("'" + data(name + kEnding) + "' is damaged");
   return &journals_.emplace(name, *std::move(opened)).first->second;
 }
 
@@ -175,16 +184,27 @@ tl::expected<Participant *, std::string>
 Folder::start(const std::string &program)
 {
   int number = 1;
+  const auto take = [&number](const std::string &name) {
+    number = std::max(number, std::atoi(name.c_str() + 1) + 1);
+  };
   for (const auto &participant : participants_)
-    number = std::max(number, std::atoi(participant->name().c_str() + 1) + 1);
+    take(participant->name());
+  for (const auto &[damaged, why] : damaged_)
+    take(damaged);
   g_autofree gchar *name = g_strdup_printf("P%02d", number);
   const Place place = next_place(study_.groups().size(), study_.square(), given_places());
   const std::string line = Participant::start(place, program).line();
   auto participant = Participant::read(name, text_, { line });
   if (!participant)
     return tl::unexpected(participant.error());
-  const auto written = journal(name).and_then(
-      [&](files::Journal *journal) { return journal->append(text_, line); });
+  const auto written
+      = journal(name).and_then([&](files::Journal *journal) -> tl::expected<void, std::string> {
+          if (!journal->is_empty())
+            return tl::unexpected("'" + data(std::string(name) + kEnding)
+                                  + "' is there already; expected none of a new participant. Start "
+                                    "visuotactile-study run again");
+          return journal->append(text_, line);
+        });
   if (!written)
     return tl::unexpected(written.error());
   participants_.push_back(*std::move(participant));
@@ -219,25 +239,29 @@ Folder::next_trace(const Participant &participant, int session)
 tl::expected<void, std::string>
 Folder::forget(const std::string &name)
 {
-  Participant *participant = find(name);
-  if (participant == nullptr)
+  if (find(name) == nullptr && !damaged_.contains(name))
     return tl::unexpected("there is no participant '" + name + "'");
   const std::string line = Event("forgotten").line();
-  const auto written = journal(name).and_then([&](files::Journal *journal) {
-    return journal->clear().and_then([&] { return journal->append(text_, line); });
-  });
-  if (!written)
-    return tl::unexpected(written.error());
+  auto forgotten = Participant::read(name, text_, { line });
+  if (!forgotten)
+    return tl::unexpected(forgotten.error());
+  // Traces first: as long as the journal has the participant, the next try finds the rest.
   std::error_code error;
   fs::remove_all(data(name), error);
   if (error)
     return tl::unexpected("'" + data(name) + "': " + error.message());
-  auto forgotten = Participant::read(name, text_, { line });
-  if (!forgotten)
-    return tl::unexpected(forgotten.error());
-  for (auto &one : participants_)
-    if (one.get() == participant)
-      one = *std::move(forgotten);
+  journals_.erase(name); // its lock, too
+  auto journal = files::Journal::open(data(name + kEnding), kJournal);
+  const auto written
+      = journal.and_then([&](files::Journal &journal) { return journal.replace(text_, line); });
+  if (!written)
+    return written;
+  damaged_.erase(name);
+  const auto old = std::ranges::find(participants_, name, &Participant::name);
+  if (old != participants_.end())
+    *old = *std::move(forgotten);
+  else
+    participants_.push_back(*std::move(forgotten));
   return {};
 }
 

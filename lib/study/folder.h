@@ -44,6 +44,11 @@ public:
   {
     return participants_;
   }
+  /// Those whose journal cannot be read: name → why. Their numbers are not given again.
+  const Settings &damaged() const
+  {
+    return damaged_;
+  }
   Participant *find(const std::string &name) const;
   /// The participant whose session was cut off last; null: none.
   Participant *unfinished() const;
@@ -60,6 +65,7 @@ public:
 private:
   Folder(std::string path, std::string text, Study study);
   tl::expected<void, std::string> read_participants();
+  tl::expected<void, std::string> read_participant(const std::string &name);
   tl::expected<files::Journal *, std::string> journal(const std::string &name);
 
   std::string path_;
@@ -67,6 +73,7 @@ private:
   Study study_;
   files::File lock_;
   std::vector<std::unique_ptr<Participant>> participants_;
+  Settings damaged_;
   std::map<std::string, files::Journal> journals_; ///< open for writing
 };
 

@@ -32,15 +32,6 @@ array(const Texts &texts)
 }
 
 std::string
-object(const Settings &settings)
-{
-  std::string json;
-  for (const auto &[name, value] : settings)
-    json += (json.empty() ? "" : ", ") + write_text(name) + ": " + write_text(value);
-  return "{" + json + "}";
-}
-
-std::string
 question_json(const Question &question)
 {
   return "{\"name\": " + write_text(question.name) + member("text", write_text(question.text))
@@ -67,12 +58,12 @@ std::string
 session_json(const Participant &participant, int session)
 {
   const auto plays = participant.plays_of(session);
-  std::string json
-      = "{\"session\": " + std::to_string(session)
-        + member("condition",
-                 session == Step::kPractice ? "{}" : object(participant.condition(session).levels))
-        + member("plays", std::to_string(plays.size()))
-        + member("marks", array(participant.marks(session)));
+  std::string json = "{\"session\": " + std::to_string(session)
+                     + member("condition", session == Step::kPractice
+                                               ? "{}"
+                                               : object_json(participant.condition(session).levels))
+                     + member("plays", std::to_string(plays.size()))
+                     + member("marks", array(participant.marks(session)));
   if (!plays.empty()) {
     const Play &play = *plays.back();
     json += member("outcome", write_text(name_of(play.outcome)))
@@ -87,6 +78,15 @@ session_json(const Participant &participant, int session)
 }
 
 } // namespace
+
+std::string
+object_json(const Settings &settings)
+{
+  std::string json;
+  for (const auto &[name, value] : settings)
+    json += (json.empty() ? "" : ", ") + write_text(name) + ": " + write_text(value);
+  return "{" + json + "}";
+}
 
 std::string
 page_state(const Study &study, const Participant *participant, Phase phase, std::int64_t at)
@@ -129,6 +129,9 @@ overview(const Folder &folder, const Participant *active, Phase phase, std::int6
               + member("state", write_text(name_of(participant->state())))
               + member("done", std::to_string(participant->steps_done()))
               + member("count", std::to_string(participant->steps().size() - 1)) + "}";
+  for (const auto &[name, why] : folder.damaged())
+    people += std::string(people.empty() ? "" : ", ") + "{\"name\": " + write_text(name)
+              + member("state", "\"damaged\"") + member("done", "0") + member("count", "0") + "}";
   std::string json = "{\"title\": " + write_text(folder.study().title)
                      + member("people", std::to_string(folder.study().people))
                      + member("participants", "[" + people + "]")
@@ -138,7 +141,7 @@ overview(const Folder &folder, const Participant *active, Phase phase, std::int6
     for (int session = active->study().practice ? Step::kPractice : 1;
          session <= active->sessions(); session++)
       sessions += (sessions.empty() ? "" : ", ") + session_json(*active, session);
-    json += member("group", object(active->group().levels))
+    json += member("group", object_json(active->group().levels))
             + member("step", step_json(*active, phase, at))
             + member("sessions", "[" + sessions + "]");
   }

@@ -16,6 +16,9 @@ enum class Phase
   failed, ///< the experimenter decides
 };
 
+/// An object with a text for each name.
+std::string object_json(const Settings &settings);
+
 /// The state for the participant's page, without names of conditions. `participant`: null before
 /// one begins.
 std::string page_state(const Study &study, const Participant *participant, Phase phase,

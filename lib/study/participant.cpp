@@ -15,7 +15,7 @@ namespace {
 namespace json = visuotactile::json;
 
 constexpr std::int64_t kLatest = std::int64_t{ 1 } << 52;
-constexpr std::size_t kMostAnswer = 10000; ///< bytes
+constexpr std::size_t kMostAnswer = 30000; ///< bytes: 10,000 characters of the page, all long
 constexpr std::size_t kSum = 12;
 constexpr std::array kOutcomes
     = { Play::Outcome::lost, Play::Outcome::ended, Play::Outcome::stopped, Play::Outcome::failed };
@@ -26,14 +26,17 @@ expected(const std::string &what)
   return tl::unexpected("expected " + what);
 }
 
-/// A text as it came; empty if there is none.
-std::string
-text_of(JsonObject *object, const char *name)
+/// At most so many words of a text.
+std::vector<std::string>
+words_of(const std::string &text)
 {
-  JsonNode *node = json_object_get_member(object, name);
-  return node && JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_STRING
-             ? json_node_get_string(node)
-             : "";
+  constexpr int kMost = 10;
+  g_auto(GStrv) words = g_strsplit(text.c_str(), " ", kMost);
+  std::vector<std::string> found;
+  for (gchar **word = words; *word; word++)
+    if (**word != '\0')
+      found.emplace_back(*word);
+  return found;
 }
 
 std::int64_t
@@ -146,7 +149,7 @@ tl::expected<void, std::string>
 Participant::begin(const std::string &line)
 {
   const json::ObjectText event(line);
-  const std::string kind = event.object() ? text_of(event.object(), "event") : "";
+  const std::string kind = event.object() ? json::whole_text(event.object(), "event") : "";
   if (kind == "forgotten") {
     is_forgotten_ = true;
     last_ = count_of(event.object(), "at");
@@ -165,7 +168,7 @@ Participant::begin(const std::string &line)
   const auto conditions = study_.conditions();
   for (const std::size_t condition : square[place_.row])
     order_.push_back(conditions[condition]);
-  program_ = text_of(event.object(), "program");
+  program_ = json::whole_text(event.object(), "program");
   last_ = count_of(event.object(), "at");
   plan();
   return {};
@@ -223,8 +226,8 @@ Participant::apply(const std::string &line)
   JsonObject *event = text.object();
   if (event == nullptr)
     return expected("a JSON object");
-  const std::string kind = text_of(event, "event");
-  const std::string name = text_of(event, "step");
+  const std::string kind = json::whole_text(event, "event");
+  const std::string name = json::whole_text(event, "step");
   const std::int64_t at = count_of(event, "at");
   const bool is_playing = !plays_.empty() && plays_.back().step == name;
   if (state() == State::forgotten || state() == State::dropped)
@@ -238,7 +241,7 @@ Participant::apply(const std::string &line)
     return expected("the step '" + step().name + "', got '" + name + "'");
   const bool is_film = step().kind == Step::Kind::film;
   if (kind == "step" && !is_film) {
-    const std::string answer = text_of(event, "answer");
+    const std::string answer = json::whole_text(event, "answer");
     if (step().kind == Step::Kind::question) {
       if (const auto checked = check(*step().question, answer); !checked)
         return checked;
@@ -253,20 +256,21 @@ Participant::apply(const std::string &line)
   } else if (kind == "play" && is_film) {
     plays_.push_back({ .step = name,
                        .at = at,
-                       .trace = text_of(event, "trace"),
+                       .trace = json::whole_text(event, "trace"),
                        .settings = json_of(event, "settings"),
-                       .film = text_of(event, "film"),
-                       .program = text_of(event, "program"),
-                       .gstreamer = text_of(event, "gstreamer") });
+                       .film = json::whole_text(event, "film"),
+                       .program = json::whole_text(event, "program"),
+                       .gstreamer = json::whole_text(event, "gstreamer") });
   } else if (kind == "played" && is_film && is_playing) {
     Play &play = plays_.back();
-    const std::string outcome = text_of(event, "outcome");
+    const std::string outcome = json::whole_text(event, "outcome");
     for (const Play::Outcome one : kOutcomes)
       if (outcome == name_of(one))
         play.outcome = one;
     play.ended = at;
-    play.text = text_of(event, "text");
-    play.chair = text_of(event, "chair");
+    play.text = json::whole_text(event, "text");
+    play.chair = json::whole_text(event, "chair");
+    play.doubts = words_of(json::whole_text(event, "doubts"));
     play.timing = { .commands = count_of(event, "commands"),
                     .late = count_of(event, "late"),
                     .p50 = json::number(event, "error_p50_ms").value_or(0),
@@ -366,6 +370,17 @@ Participant::marks(int session) const
            > study_.most_dropped * static_cast<double>(last.frames + last.frames_dropped),
        "dropped-frames");
   mark(!last.chair.empty(), "chair");
+  for (const std::string &doubt : last.doubts)
+    mark(true, doubt.c_str());
+  if (last.outcome == Play::Outcome::ended) {
+    mark(last.frames == 0 && std::ranges::find(last.doubts, "not-shown") == last.doubts.end(),
+         "not-shown");
+    const Settings used = settings(session);
+    const auto intensity = used.find("intensity");
+    mark(last.timing.commands == 0
+             && (intensity == used.end() || g_ascii_strtod(intensity->second.c_str(), nullptr) > 0),
+         "no-commands");
+  }
   return marks;
 }
 

@@ -55,7 +55,8 @@ struct Play
   std::string film;
   std::string program; ///< version
   std::string gstreamer;
-  std::string chair; ///< its fault; empty: none
+  std::string chair;               ///< its fault; empty: none
+  std::vector<std::string> doubts; ///< marks by the program: not-shown, no-noise, simulated
   Timing timing{};
   std::int64_t frames = 0;
   std::int64_t frames_dropped = 0;

@@ -51,7 +51,8 @@ answer_of(const Question &question, double deviation)
   const double step = is_slider ? question.step : 1;
   // The effect is in points of a scale of 100.
   const double wanted = (low + high) / 2 + deviation * (high - low) / 100;
-  const double value = low + std::round((std::clamp(wanted, low, high) - low) / step) * step;
+  const double last = std::floor((high - low) / step + 1e-9); // step of the scale
+  const double value = low + std::clamp(std::round((wanted - low) / step), 0.0, last) * step;
   return write_number(value);
 }
 
@@ -68,6 +69,8 @@ simulate_participant(Folder &folder, const Simulation &simulation)
   const double person = simulation.spread * normal(random);
   std::int64_t at = now();
   constexpr std::int64_t kStep = 3000; // ms
+  constexpr std::int64_t kCommands = 600;
+  constexpr std::int64_t kFrames = 1800;
   while (participant.state() == Participant::State::running) {
     const Step step = participant.step();
     at += step.kind == Step::Kind::rest ? participant.rest_left(at) : kStep;
@@ -83,7 +86,9 @@ simulate_participant(Folder &folder, const Simulation &simulation)
                   .and_then([&] {
                     return folder.add(participant, Event("played", at)
                                                        .add("step", step.name)
-                                                       .add("outcome", std::string("ended")));
+                                                       .add("outcome", std::string("ended"))
+                                                       .add("commands", kCommands)
+                                                       .add("frames", kFrames));
                   });
     } else {
       const double deviation

@@ -68,11 +68,4 @@ Study::square() const
   return rows;
 }
 
-const Question *
-Study::question(const std::string &name) const
-{
-  const auto found = std::ranges::find(questions, name, &Question::name);
-  return found != questions.end() ? &*found : nullptr;
-}
-
 } // namespace study

@@ -3,6 +3,7 @@
 
 #include "study/order.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -86,8 +87,10 @@ struct Study
   std::vector<Condition> groups() const;     ///< between
   /// The square of the conditions, shuffled by the seed.
   std::vector<Row> square() const;
-  const Question *question(const std::string &name) const;
 };
+
+/// Bytes of a file with words or settings.
+constexpr std::size_t kMostText = std::size_t{ 1 } << 20;
 
 /// Reads a study's text. The error names what was expected and where.
 tl::expected<Study, std::string> read_study(const std::string &text);

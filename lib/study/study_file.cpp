@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <initializer_list>
 #include <memory>
 #include <string_view>
@@ -17,7 +18,6 @@ namespace study {
 
 namespace {
 
-constexpr std::size_t kMostText = std::size_t{ 1 } << 20;
 constexpr std::size_t kMostConditions = 32;
 constexpr std::size_t kMostQuestions = 500;
 constexpr double kMostPoints = 100; ///< of a Likert scale
@@ -49,13 +49,31 @@ constexpr Setting kSettings[] = {
   { "calibration", "" },
 };
 
-/// Columns of the table: no factor may have such a name.
+/// Names of columns of the table and of the report's, and words of R: no factor may have one.
 constexpr std::string_view kColumns[] = {
-  "participant", "state",          "group",   "session",      "question",     "kind",
-  "answer",      "text",           "time",    "response_ms",  "marks",        "plays",
-  "film_file",   "settings",       "program", "gstreamer",    "study",        "consent",
-  "trace",       "commands",       "late",    "error_p50_ms", "error_p99_ms", "error_max_ms",
-  "frames",      "frames_dropped",
+  "participant",  "state",
+  "group",        "session",
+  "question",     "kind",
+  "answer",       "text",
+  "time",         "response_ms",
+  "marks",        "plays",
+  "film_file",    "settings",
+  "program",      "gstreamer",
+  "study",        "consent",
+  "trace",        "commands",
+  "late",         "error_p50_ms",
+  "error_p99_ms", "error_max_ms",
+  "frames",       "frames_dropped",
+  "value",        "n",
+  "mean",         "se",
+  "bar",          "if",
+  "else",         "repeat",
+  "while",        "function",
+  "for",          "next",
+  "break",        "in",
+  "TRUE",         "FALSE",
+  "NULL",         "Inf",
+  "NaN",          "NA",
 };
 
 using KeyFile = std::unique_ptr<GKeyFile, void (*)(GKeyFile *)>;
@@ -208,13 +226,16 @@ read_settings(Reader &reader, const std::string &group,
 void
 read_factors(Reader &reader, Study &study)
 {
+  std::size_t conditions = 1;
+  std::size_t groups = 1;
   for (const std::string &name : reader.groups("factor")) {
     const std::string group = "factor " + name;
     reader.expect_keys(group, { "label", "levels", "design" });
     if (!is_name(name) || name.find_first_of("-.") != std::string::npos
         || std::ranges::find(kColumns, name) != std::end(kColumns))
-      reader.fail(group, "",
-                  "expected a name of letters, digits and _ that is no column of the table");
+      reader.fail(
+          group, "",
+          "expected a name of letters, digits and _ that is no column of a table and no word of R");
     const std::string design = reader.text(group, "design", "within");
     if (design != "within" && design != "between")
       reader.fail(group, "design", "expected within or between, got '" + design + "'");
@@ -234,6 +255,12 @@ read_factors(Reader &reader, Study &study)
     }
     if (factor.levels.size() < 2)
       reader.fail(group, "levels", "expected two or more, with semicolons between");
+    std::size_t &combinations = factor.between ? groups : conditions;
+    combinations *= std::max<std::size_t>(factor.levels.size(), 1);
+    if (combinations > kMostConditions)
+      return reader.fail(group, "levels",
+                         "expected at most " + std::to_string(kMostConditions)
+                             + " sessions a participant, and as many groups");
     study.factors.push_back(std::move(factor));
   }
   for (const std::string &name : reader.groups("level")) {
@@ -248,7 +275,7 @@ read_factors(Reader &reader, Study &study)
 }
 
 Settings
-read_when(Reader &reader, const std::string &group, const Study &study)
+read_when(Reader &reader, const std::string &group, const Study &study, bool at_end)
 {
   Settings when;
   for (const std::string &one : reader.texts(group, "when")) {
@@ -259,7 +286,12 @@ read_when(Reader &reader, const std::string &group, const Study &study)
     if (found == study.factors.end()
         || std::ranges::find(found->levels, level, &Level::name) == found->levels.end())
       reader.fail(group, "when", "expected FACTOR:LEVEL, got '" + one + "'");
-    when[factor] = level;
+    else if (at_end && !found->between)
+      reader.fail(group, "when",
+                  "expected a factor between for a question at-end, got '" + one
+                      + "', which changes from session to session");
+    if (!when.emplace(factor, level).second)
+      reader.fail(group, "when", "expected one level of a factor, got two of '" + factor + "'");
   }
   return when;
 }
@@ -296,7 +328,7 @@ read_questions(Reader &reader, Study &study)
         && (question.labels.size() < 2
             || static_cast<double>(question.labels.size()) > kMostPoints))
       reader.fail(group, "labels", "expected one for each point of the scale, 2 to 100");
-    question.when = read_when(reader, group, study);
+    question.when = read_when(reader, group, study, question.at_end);
     study.questions.push_back(std::move(question));
   }
   if (study.questions.empty())
@@ -309,8 +341,10 @@ read_questions(Reader &reader, Study &study)
 tl::expected<std::string, std::string>
 read_beside(const std::string &folder, const std::string &name)
 {
-  auto text
-      = files::read_whole(g_path_is_absolute(name.c_str()) ? name : folder + "/" + name, kMostText);
+  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  if (path.empty() || path.is_absolute() || *path.begin() == "..")
+    return tl::unexpected("expected the name of a file in the study's folder, got '" + name + "'");
+  auto text = files::read_whole(folder + "/" + name, kMostText);
   if (text && !g_utf8_validate(text->data(), static_cast<gssize>(text->size()), nullptr))
     return tl::unexpected("'" + name + "': expected a text in UTF-8");
   return text;
@@ -331,6 +365,9 @@ add_items(Reader &reader, const std::string &name, const std::string &folder)
     if (item.empty() || item[0] == '#')
       continue;
     const std::string question = "question " + name + std::to_string(++number);
+    if (reader.has(question))
+      return tl::unexpected("[" + question + "]: expected another name, as [" + group
+                            + "] gives this one to an item");
     g_key_file_set_string(reader.file(), question.c_str(), "text", item.c_str());
     for (const std::string &key : reader.keys(group))
       if (key != "file") {
@@ -395,9 +432,6 @@ read_study(const std::string &text)
   read_questions(reader, study);
   if (!reader.fault().empty())
     return tl::unexpected(reader.fault());
-  if (study.conditions().size() > kMostConditions || study.groups().size() > kMostConditions)
-    return tl::unexpected("expected at most " + std::to_string(kMostConditions)
-                          + " sessions a participant, and as many groups");
   return study;
 }
 

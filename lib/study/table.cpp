@@ -2,6 +2,7 @@
 #include "study/table.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace study {
 
@@ -11,6 +12,13 @@ namespace {
 class Csv
 {
 public:
+  /// A text of a person. A spreadsheet would compute one that begins like a formula.
+  Csv &written(const std::string &text)
+  {
+    const bool is_formula
+        = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+    return field(is_formula ? "'" + text : text);
+  }
   Csv &field(const std::string &text)
   {
     if (!at_begin_)
@@ -53,16 +61,7 @@ private:
 };
 
 std::string
-joined(const std::vector<std::string> &words)
-{
-  std::string text;
-  for (const std::string &word : words)
-    text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
-std::string
-joined(const Settings &levels)
+levels_text(const Settings &levels)
 {
   std::string text;
   for (const auto &[factor, level] : levels)
@@ -151,7 +150,7 @@ answer_table(const Folder &folder)
       csv.field(question.name)
           .field(name_of(question.kind))
           .field(is_text ? "" : answer.text)
-          .field(is_text ? answer.text : "")
+          .written(is_text ? answer.text : "")
           .field(date_text(answer.at))
           .field(answer.response)
           .field(participant->study_sum())
@@ -181,8 +180,9 @@ order_table(const Folder &folder)
         .field(static_cast<std::int64_t>(participant->place().group) + 1)
         .field(static_cast<std::int64_t>(participant->place().row) + 1);
     for (int session = 1; session <= static_cast<int>(sessions); session++)
-      csv.field(session <= participant->sessions() ? joined(participant->condition(session).levels)
-                                                   : "");
+      csv.field(session <= participant->sessions()
+                    ? levels_text(participant->condition(session).levels)
+                    : "");
     csv.end();
   }
   return csv.text();

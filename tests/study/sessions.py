@@ -8,10 +8,11 @@ import collections
 import csv
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 
-from study_page import Person, Server, answers_of, chromium, exported, paper_study, run_study, small_study, wait_until
+from study_page import Person, Server, answers_of, chromium, change, exported, paper_study, run_study, small_study, wait_until
 from selenium.webdriver.common.by import By
 
 people = 2
@@ -34,7 +35,7 @@ def the_paper_study(driver):
         given = {}
         for number in range(1, people + 1):
             name = f"P{number:02}"
-            driver.get(server.address + "experimenter")
+            driver.get(server.experimenter)
             wait_until("the experimenter's page", lambda: driver.execute_script("return document.body.dataset.ready && !document.getElementById('start').disabled"))
             driver.find_element(By.ID, "start").click()
             wait_until("a participant", lambda: server.state()["participant"] == name and server.state()["step"]["name"] == "consent")
@@ -53,7 +54,7 @@ def the_paper_study(driver):
             assert len(person.given) == 4 + 6 * 4 + 3 * 2 + 1
         wait_until("the thanks", lambda: "Thank you" in driver.find_element(By.ID, "stage").text)
         picture(driver, "done")
-        driver.get(server.address + "experimenter")
+        driver.get(server.experimenter)
         wait_until("the last participant", lambda: f"{people} of 12" in driver.find_element(By.ID, "count").text)
         picture(driver, "experimenter")
         rows = exported(folder)
@@ -105,7 +106,36 @@ def killed_at_every_page(driver):
         rows = exported(folder)
         assert answers_of(rows, "P01") == person.given and len(rows) == 4, rows
         assert [step for step in steps if "/" not in step] == ["consent", "instructions"] and len(steps) == len(set(steps)) == 9, steps
-        assert all(row["marks"] == "" for row in rows)
+        assert all(row["marks"] in ("", "not-shown simulated", "not-shown simulated no-commands") for row in rows), rows
+
+
+def killed_between_question_and_answer(driver):
+    """The server dies with an answer that it has been sent: the page, which nobody touches, gives it to the next one. A refused text is kept in the page."""
+    with small_study() as folder:
+        server = Server(folder)
+        server.act("start")
+        person = Person(driver, server, 8)
+        state = person.go("1/Q1")
+        driver.execute_script("const send = fetch; window.sent = 0; window.fetch = (...words) => { window.sent += 1; return send(...words); };")
+        os.kill(server.process.pid, signal.SIGSTOP)
+        given = {**person.given, "1/Q1": person.answer(state)}
+        wait_until("the request", lambda: driver.execute_script("return window.sent > 0"))
+        server.kill()
+        wait_until("the trouble", lambda: "does not answer" in driver.find_element(By.ID, "trouble").text)
+        with Server(folder) as server:
+            person.moved_to(server)
+            person.given = given
+            wait_until("the next step", lambda: server.state()["step"]["name"] != "1/Q1")
+            person.choice = lambda question, choice=person.choice: "x" * 30_001 if question["name"] == "E" else choice(question)
+            person.answer(person.go("end/E"))
+            wait_until("the reason", lambda: "at most 30000 bytes" in driver.find_element(By.ID, "trouble").text)
+            wait_until("the text", lambda: driver.execute_script("return document.querySelector('#stage textarea')?.value.length === 30001"))
+            assert driver.execute_script("return document.querySelector('#stage textarea').maxLength") == 10_000
+            del person.choice
+            person.go()
+            for name in folder.joinpath("data").glob(".pages"):
+                assert name.stat().st_mode & 0o777 == 0o600
+        assert answers_of(exported(folder), "P01") == person.given
 
 
 def a_film_that_is_cut_off(driver):
@@ -120,7 +150,7 @@ def a_film_that_is_cut_off(driver):
         server.kill()
         server = Server(folder)
         assert server.state()["step"]["phase"] == "failed"
-        driver.get(server.address + "experimenter")
+        driver.get(server.experimenter)
         wait_until("the button", lambda: driver.find_element(By.ID, "again").is_enabled())
         driver.find_element(By.ID, "again").click()
         wait_until("the levels of the chair", lambda: driver.find_elements(By.CSS_SELECTOR, "#chair div"))
@@ -128,13 +158,43 @@ def a_film_that_is_cut_off(driver):
         driver.find_element(By.ID, "stop").click()
         wait_until("the end of the film", lambda: driver.find_element(By.ID, "go-on").is_enabled())
         picture(driver, "experimenter-stopped")
+        driver.get(server.address)
         person.moved_to(server)
         wait_until("the page", lambda: "call the experimenter" in driver.find_element(By.ID, "stage").text)
         server.act("go-on", "P01")
         wait_until("the next step", lambda: server.state()["step"]["name"] == "1/Q1")
         person.go("1/break")
         server.end()
-        assert {row["marks"] for row in exported(folder)} == {"repeated stopped"}
+        assert {row["marks"] for row in exported(folder)} == {"repeated stopped not-shown simulated"}
+
+
+def the_chair_stops_first(_):
+    """A film is stopped: motors pause before the masking noise ends, whose sound server may hang."""
+    read, write = os.pipe()
+    with subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24"], pass_fds=[write], stderr=subprocess.DEVNULL) as screen:
+        os.close(write)
+        with os.fdopen(read, encoding="ascii") as line:
+            display = ":" + line.readline().strip()
+        try:
+            with small_study(buffers=3600, rate=1) as folder:
+                change(folder, ("film=film.mkv", "film=film.mkv\nnoise=0.1"))
+                log = folder / "states.log"
+                log.touch()
+                env = {**os.environ, "DISPLAY": display, "GST_DEBUG": "GST_STATES:5", "GST_DEBUG_FILE": str(log), "GST_DEBUG_NO_COLOR": "1"}
+                with Server(folder, env=env) as server:
+                    server.act("start")
+                    for step, answer in (("consent", "3"), ("instructions", "")):
+                        assert server.post("step", {"step": step, "answer": answer, "response": 1}).status == 200
+                    assert server.post("play", {"step": "1/film"}).status == 200
+                    wait_until("the film and the noise", lambda: all(f"<{name}> completed state change to PLAYING" in log.read_text() for name in ("chair", "audiotestsrc0")))
+                    before = log.stat().st_size
+                    server.act("stop")
+                    wait_until("the end", lambda: server.state()["step"]["phase"] == "failed")
+                    stopped = log.read_bytes()[before:].decode()
+                    assert 0 < stopped.index("<chair>") < stopped.index("audiotestsrc0"), stopped[:2000]
+                    assert "doubts" in (folder / "data/P01.journal").read_text()
+        finally:
+            screen.kill()
 
 
 def a_participant_is_dropped(driver):
@@ -166,13 +226,15 @@ def hostile_requests(driver):
         for body in ({"step": "consent", "answer": "2", "response": 1}, {"step": "1/Q1", "answer": "3", "response": 1}):
             assert server.post("step", body).status == 409, body
         assert server.post("play", {"step": "1/film"}).status == 409
-        assert server.post("act", {"act": "explode"}).status == 400
+        assert server.post(server.experimenter.removeprefix(server.address) + "act", {"act": "explode"}).status == 400
         assert server.post("step", "x" * 70_000).status == 413
         assert server.get("step").status == 405
+        # The participant's page is told no condition, and acts for nobody.
+        assert server.get("overview").status == 404 and server.get("experimenter").status == 404 and server.post("act", {"act": "stop"}).status == 405
         assert server.state()["step"]["name"] == "consent"
 
 
-TESTS = [the_paper_study, killed_at_every_page, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
+TESTS = [the_paper_study, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, the_chair_stops_first, a_participant_is_dropped, hostile_requests]
 
 if __name__ == "__main__":
     names = [word for word in sys.argv[1:] if not word.startswith("--")]

@@ -45,23 +45,24 @@ ANSWER = """
     return true;"""
 
 
-def run_study(*words, **more):
-    return subprocess.run([os.environ["STUDY"], *map(str, words)], check=True, timeout=LATEST, capture_output=True, text=True, **more).stdout
+def run_study(*words, **more):  # R needs ten seconds on an idle machine
+    return subprocess.run([os.environ["STUDY"], *map(str, words)], check=True, timeout=5 * LATEST, capture_output=True, text=True, **more).stdout
 
 
 class Server(Desk):
     """visuotactile-study run; `with` ends it as Ctrl-C does. Asks and answers like the desk."""
 
-    def __init__(self, folder, *options):
+    def __init__(self, folder, *options, env=None):
         self.folder = pathlib.Path(folder)
         self.errors = self.folder / "errors.txt"
-        words = [os.environ["STUDY"], "run", str(folder), "--no-browser", "--no-window", "--driver=simulator", *map(str, options)]
-        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=self.errors.open("ab"), text=True)
+        words = [os.environ["STUDY"], "run", str(folder), "--no-browser", *(() if env else ("--no-window",)), "--driver=simulator", *map(str, options)]
+        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=self.errors.open("ab"), text=True, env=env)
         self.address = self.process.stdout.readline().strip()
         if not self.address:
             self.process.wait(LATEST)
             raise RuntimeError(f"exit status {self.process.returncode}: {self.errors.read_text()}")
-        assert self.process.stdout.readline().strip() == self.address + "experimenter"
+        self.experimenter = self.process.stdout.readline().strip()
+        assert self.experimenter.startswith(self.address)
         found = urllib.parse.urlparse(self.address)
         self.port, self.path = found.port, found.path
 
@@ -74,7 +75,7 @@ class Server(Desk):
         return self.get("state").json
 
     def act(self, name, participant=""):
-        answer = self.post("act", {"act": name, "participant": participant})
+        answer = self.post(self.experimenter.removeprefix(self.address) + "act", {"act": name, "participant": participant})
         assert answer.status == 200, answer.body
         return answer.json
 
@@ -88,9 +89,9 @@ class Person:
         driver.get(server.address)
 
     def moved_to(self, server):
-        """The server was started again, at another address."""
+        """The server was started again. The page is still open."""
+        assert server.address == self.server.address
         self.server = server
-        self.driver.get(server.address)
 
     def choice(self, question):
         if question["kind"] == "slider":
@@ -126,7 +127,7 @@ class Person:
 
 
 def exported(folder):
-    run_study("export", folder, f"--output={folder}/answers.csv")
+    run_study("export", folder, "--force", f"--output={folder}/answers.csv")
     return list(csv.DictReader(io.StringIO((pathlib.Path(folder) / "answers.csv").read_text(encoding="utf-8"), newline="")))
 
 

@@ -92,6 +92,26 @@ with subprocess.Popen([os.environ["TRACK"], "desk", played, "--no-browser", "--d
     desk.communicate()
 assert track("diff", played.with_suffix(".vtt"), library / "Of it.csv") == ""
 
+# Subtitles beside the film, in the folder of tracks, too: the analysis is played. Cues of 0.1 s are played as written.
+for folder in films, work / "empty":
+    folder.mkdir(exist_ok=True)
+    (folder / "Of it.vtt").write_text("WEBVTT\n\n00:01.000 --> 00:02.000\nHello\n", encoding="utf-8")
+again = (played.with_suffix(".vtt").unlink(), played.rename(films / "Of it.mkv"))[1]
+
+
+def play(name, folder):
+    done = subprocess.run([os.environ["PLAY"], "--no-window", "--driver=simulator", f"--output={work / name}", f"--tracks={folder}", again],
+                          capture_output=True, text=True, check=True)
+    with open(work / name / "commands.csv", encoding="utf-8") as file:
+        return done.stderr, [(int(row["effect_ns"]) // 1000000, round(float(row["volts"]), 2)) for row in csv.DictReader(file)]
+
+
+expect(play("analyzed", work / "empty")[0], "Of it.vtt", "there is no track", "the analysis")
+(work / "empty" / "Of it.csv").write_text(
+    "# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n500,0.5\n580,0\n740,0.75\n820,0\n1800,0\n", encoding="utf-8")
+short = play("short", work / "empty")[1]
+assert (600, 0) in short and any(600 < time < 800 and volts == 2.25 for time, volts in short), short
+
 # Servers that are wrong.
 expect(track("find", renamed, "--tracks", f"{address}/moved", status=1), "got status 302", "redirects are not followed")
 expect(track("find", renamed, "--tracks", f"{address}/nowhere", status=1), "got status 404")

@@ -3,13 +3,12 @@
 // hls: a track beside a film that is streamed by HTTP Live Streaming.
 #include "commands.h"
 #include "hls_playlist.h"
+#include "hls_segment.h"
 
 #include "files/regular_file.h"
 #include "film/program.h"
 #include "tracks/cue_builder.h"
 #include "tracks/formats/track_file.h"
-#include "tracks/formats/webvtt_timing.h"
-#include "tracks/text_cue.h"
 
 #include <algorithm>
 #include <charconv>
@@ -22,6 +21,8 @@ using tactile::Time;
 namespace {
 
 constexpr const char *kFolder = "tactile";
+constexpr const char *kAhap = "tactile.ahap";
+constexpr double kUnknown = 1e6; ///< s
 constexpr std::size_t kMostPlaylist = std::size_t{ 64 } << 20;
 
 template <typename Value>
@@ -42,49 +43,37 @@ read_text(const fs::path &path)
   return *std::move(text);
 }
 
-/// The time stamp of the first picture, in 90 000 Hz.
+/// Leaves a file that has this text untouched: a live stream is read five times a second.
+void
+write_changed(const std::string &text, const fs::path &path)
+{
+  const auto there = files::read(path.string(), kMostPlaylist);
+  if (!there || *there != text)
+    write_bytes(text, path.string());
+}
+
+/// The time stamp of the film's 0:00 in 90 000 Hz: of its first picture or sound.
 std::int64_t
 start_of(const fs::path &playlist)
 {
-  double start = 0;
-  bool is_known = false;
-  const ProgramEnd end
-      = run_program({ "ffprobe", "-v", "error", "-live_start_index", "0", "-allowed_extensions",
-                      "ALL", "-select_streams", "v:0", "-show_entries", "stream=start_time", "-of",
-                      "csv=p=0", playlist.string() },
-                    "ffmpeg", [&](std::string_view line) {
-                      if (!is_known)
-                        is_known = std::from_chars(line.data(), line.data() + line.size(), start).ec
-                                   == std::errc();
-                    });
-  if (!is_known || !(start >= 0 && start <= 1e6))
-    throw std::runtime_error("'" + playlist.string() + "': expected segments with a picture"
+  double start = kUnknown;
+  const ProgramEnd end = run_program(
+      { "ffprobe", "-v", "error", "-live_start_index", "0", "-allowed_extensions", "ALL",
+        "-show_entries", "stream=codec_type,start_time", "-of", "csv=p=0",
+        "file:" + fs::absolute(playlist).string() },
+      "ffmpeg", [&](std::string_view line) {
+        const std::size_t comma = std::min(line.find(','), line.size() - 1) + 1;
+        double time = 0;
+        if ((line.starts_with("video,") || line.starts_with("audio,"))
+            && std::from_chars(line.data() + comma, line.data() + line.size(), time).ec
+                   == std::errc())
+          start = std::min(start, time);
+      });
+  if (!(start >= 0 && start < kUnknown))
+    throw std::runtime_error("'" + playlist.string() + "': expected segments with a film"
                              + (end.complaint.empty() ? "" : ", got " + end.complaint));
   constexpr double kClock = 90'000;
   return std::llround(start * kClock);
-}
-
-/// The cues of a stretch as a segment. A cue beyond the end is cut, so that each part is played
-/// once.
-std::string
-segment_text(const std::deque<tactile::Cue> &cues, const tactile::Track &track, std::int64_t start,
-             Time begin, Time end)
-{
-  std::string text = "WEBVTT\nX-TIMESTAMP-MAP=MPEGTS:" + std::to_string(start)
-                     + ",LOCAL:00:00:00.000\n\nNOTE tactile "
-                     + tactile::write_grid({ track.rows(), track.columns() }, track.rate()) + "\n";
-  const auto ms = [](Time time) {
-    return std::chrono::floor<std::chrono::milliseconds>(time);
-  };
-  const auto first = std::ranges::upper_bound(cues, begin, {}, &tactile::Cue::end);
-  for (auto cue = first; cue != cues.end() && cue->begin < end; ++cue) {
-    const Time from = ms(std::max(cue->begin, begin));
-    const Time to = ms(std::min(cue->end, end));
-    if (from < to)
-      text += "\n" + tactile::write_webvtt_timing(from, to) + "\n"
-              + tactile::write_text_cue(cue->map) + "\n";
-  }
-  return text;
 }
 
 struct Stream
@@ -92,6 +81,15 @@ struct Stream
   fs::path variant;
   fs::path folder; ///< of the rendition
 };
+
+/// Removes segments with smaller numbers.
+void
+remove_before(std::int64_t number, const fs::path &folder)
+{
+  for (std::int64_t gone = number - 1; gone >= 0; gone--)
+    if (!fs::remove(folder / (std::to_string(gone) + ".vtt")))
+      return;
+}
 
 /// Writes the segments, after the first call only new ones, and the rendition's playlist. A live
 /// stream continues from the end of the last call. Returns whether the stream has ended.
@@ -104,28 +102,41 @@ update(const Stream &stream, const tactile::Track &track, const std::deque<tacti
   hls::Rendition rendition;
   std::size_t done = 0; // of the segments
   if ((segments.sequence == 0 && is_first_call) || !fs::exists(index)) {
-    rendition = { .segments = std::move(segments), .start = start_of(stream.variant) };
+    rendition = valid(hls::begun(std::move(segments)), stream.variant);
+    rendition.start = start_of(stream.variant);
   } else {
     const hls::Rendition before = valid(hls::read_rendition(read_text(index)), index);
     rendition = valid(hls::followed(before, std::move(segments)), stream.variant);
-    std::int64_t number = before.segments.sequence;
-    for (; number < rendition.segments.sequence; number++)
-      fs::remove(stream.folder / (std::to_string(number) + ".vtt"));
     if (!is_first_call)
       done = before.segments.durations.size()
-             - static_cast<std::size_t>(number - before.segments.sequence);
+             - static_cast<std::size_t>(rendition.segments.sequence - before.segments.sequence);
   }
   Time begin = rendition.first;
   for (std::size_t i = 0; i < rendition.segments.durations.size(); i++) {
     const Time end = begin + rendition.segments.durations[i];
     const std::int64_t number = rendition.segments.sequence + static_cast<std::int64_t>(i);
     if (i >= done)
-      write_bytes(segment_text(cues, track, rendition.start, begin, end),
-                  (stream.folder / (std::to_string(number) + ".vtt")).string());
+      write_changed(hls::segment_text(cues, track, rendition.start, begin, end),
+                    stream.folder / (std::to_string(number) + ".vtt"));
     begin = end;
   }
-  write_bytes(hls::write_rendition(rendition), index.string());
+  write_changed(hls::write_rendition(rendition), index);
+  remove_before(hls::oldest_kept(rendition.segments), stream.folder);
   return rendition.segments.is_ended;
+}
+
+/// Throws std::runtime_error if files of others would be replaced.
+void
+expect_own(const Stream &stream, const fs::path &ahap)
+{
+  std::error_code error;
+  const auto index = files::read((stream.folder / "index.m3u8").string(), kMostPlaylist);
+  if (index && hls::read_rendition(*index))
+    return;
+  for (const fs::path &path : { ahap, stream.folder })
+    if (fs::exists(path, error) && !fs::is_empty(path, error))
+      throw std::runtime_error("'" + path.string()
+                               + "' is not of an earlier call; expected none, or --force");
 }
 
 } // namespace
@@ -146,34 +157,56 @@ stream_hls(int argc, char **argv)
       argc, argv, entries, common,
       { .arguments = "PLAYLIST TRACK",
         .summary
-        = "Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile' "
-          "beside the\nmultivariant PLAYLIST, and tactile.ahap, which Apple's players play. "
-          "A playlist that has a\ntrack gets the new one. Needs ffprobe.",
+        = "Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile'\n"
+          "beside the multivariant PLAYLIST and, unless the stream goes on, tactile.ahap,\n"
+          "which Apple's players play. A playlist that has a track gets the new one. Needs\n"
+          "ffprobe.",
         .least = 2,
-        .most = 2 });
+        .most = 2,
+        .force_help = "Replace files and haptics that are not of an earlier call" });
   const fs::path playlist = names[0];
-  const std::string text = read_text(playlist);
-  const std::string uri = valid(hls::first_variant(text), playlist);
-  if (uri.find("://") != std::string::npos)
-    throw std::runtime_error("'" + names[0] + "': expected variants in files, got '" + uri + "'");
-  const Stream stream{ .variant = playlist.parent_path() / uri,
-                       .folder = playlist.parent_path() / kFolder };
+  const Stream stream{
+    .variant = playlist.parent_path()
+               / valid(hls::first_variant(read_text(playlist)).and_then(hls::path_of), playlist),
+    .folder = playlist.parent_path() / kFolder
+  };
+  std::string address = valid(hls::checked_address(url.text()), "--url");
+  if (!address.empty() && !address.ends_with('/'))
+    address += '/';
+  const fs::path ahap = playlist.parent_path() / kAhap;
+  if (!common.force)
+    expect_own(stream, ahap);
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const std::deque<tactile::Cue> cues = tactile::cues_of(track);
   const SignalsStop stop;
   fs::create_directory(stream.folder);
-  bool is_ended = update(stream, track, cues, true);
-  std::string address = url.text();
-  if (!address.empty() && !address.ends_with('/'))
-    address += '/';
-  write_track_file(track, (playlist.parent_path() / "tactile.ahap").string());
-  write_bytes(hls::with_track(text, std::string(kFolder) + "/index.m3u8", address + "tactile.ahap"),
-              playlist.string());
-  while (live && !is_ended) {
-    constexpr gulong kPause = 200'000; // µs
-    g_usleep(kPause);
-    signals_stop_here();
-    is_ended = update(stream, track, cues, false);
+  // An encoder's playlist may be missing or half written for a moment.
+  constexpr gulong kPause = 200'000; // µs
+  constexpr int kMostFaults = 150;
+  bool is_begun = false;
+  bool is_ended = false;
+  for (int faults = 0; !is_begun || (live && !is_ended);) {
+    try {
+      is_ended = update(stream, track, cues, !is_begun);
+      faults = 0;
+    } catch (const std::runtime_error &) {
+      if (!live || ++faults > kMostFaults)
+        throw;
+    }
+    if (faults == 0 && !std::exchange(is_begun, true)) {
+      // A pattern from 0:00 on fits no viewer who joins a live stream.
+      if (is_ended)
+        write_track_file(track, ahap.string());
+      // An encoder may have written the playlist anew.
+      write_changed(valid(hls::with_track(read_text(playlist), std::string(kFolder) + "/index.m3u8",
+                                          is_ended ? address + kAhap : "", common.force),
+                          playlist),
+                    playlist);
+    }
+    if (live && !is_ended) {
+      g_usleep(kPause);
+      signals_stop_here();
+    }
   }
   return 0;
 }

@@ -8,6 +8,9 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
+
+#include <glib.h>
 
 namespace hls {
 
@@ -18,6 +21,8 @@ constexpr double kLongest = 3600; ///< s
 
 constexpr std::string_view kVariant = "#EXT-X-STREAM-INF:";
 constexpr std::string_view kHaptics = "com.apple.hls.haptics.url";
+constexpr std::string_view kAhapName = "tactile.ahap";
+constexpr std::size_t kMostDate = 100;
 constexpr std::string_view kState = "#tactile-track ";
 
 tl::unexpected<std::string>
@@ -43,11 +48,13 @@ lines_of(std::string_view text)
 
 template <typename Number>
 std::optional<Number>
-number(std::string_view text)
+number(std::string_view text, char stop = '\0')
 {
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() ? std::optional(value) : std::nullopt;
+  return error == std::errc() && (end == text.data() + text.size() || *end == stop)
+             ? std::optional(value)
+             : std::nullopt;
 }
 
 /// The value of an attribute such as SUBTITLES="subs", without quotation marks.
@@ -92,16 +99,45 @@ first_variant(std::string_view playlist)
                   "-master_pl_name");
 }
 
-std::string
-with_track(std::string_view playlist, const std::string &uri, const std::string &ahap_address)
+Read<std::string>
+path_of(const std::string &uri)
+{
+  if (uri.find("://") != std::string::npos)
+    return expected("variants in files, got '" + uri + "'");
+  g_autofree gchar *path
+      = g_uri_unescape_string(uri.substr(0, uri.find_first_of("?#")).c_str(), nullptr);
+  return path != nullptr && *path != '\0' ? Read<std::string>(path)
+                                          : expected("a URI of a file, got '" + uri + "'");
+}
+
+Read<std::string>
+checked_address(const std::string &text)
+{
+  const bool is_valid = std::ranges::none_of(
+      text, [](char c) { return c == '"' || g_ascii_isspace(c) || g_ascii_iscntrl(c); });
+  return is_valid ? Read<std::string>(text)
+                  : expected("an address without quotation marks and spaces (%22, %20), got '"
+                             + text + "'");
+}
+
+Read<std::string>
+with_track(std::string_view playlist, const std::string &uri, const std::string &ahap_address,
+           bool force)
 {
   constexpr const char *kGroup = "tactile";
   std::vector<std::string> lines;
   std::set<std::string> groups;
   for (const std::string_view line : lines_of(playlist)) {
-    if ((line.starts_with("#EXT-X-MEDIA:") && attribute(line, "URI") == uri)
-        || (line.starts_with("#EXT-X-SESSION-DATA:") && attribute(line, "DATA-ID") == kHaptics))
+    if (line.starts_with("#EXT-X-MEDIA:") && attribute(line, "URI") == uri)
       continue;
+    if (line.starts_with("#EXT-X-SESSION-DATA:") && attribute(line, "DATA-ID") == kHaptics
+        && !attribute(line, "LANGUAGE")) {
+      const std::string address = attribute(line, "VALUE").value_or("");
+      if (!force && address.substr(address.rfind('/') + 1) != kAhapName)
+        return expected("no haptics but tactile-track's (--force replaces them), got '"
+                        + std::string(line) + "'");
+      continue;
+    }
     lines.emplace_back(line);
     if (!line.starts_with(kVariant))
       continue;
@@ -116,8 +152,9 @@ with_track(std::string_view playlist, const std::string &uri, const std::string 
         "#EXT-X-MEDIA:TYPE=SUBTITLES,GROUP-ID=\"" + group
         + "\",NAME=\"Tactile\",LANGUAGE=\"zxx\",DEFAULT=NO,AUTOSELECT=NO,FORCED=NO,URI=\"" + uri
         + "\"");
-  ours.push_back("#EXT-X-SESSION-DATA:DATA-ID=\"" + std::string(kHaptics) + "\",VALUE=\""
-                 + ahap_address + "\"");
+  if (!ahap_address.empty())
+    ours.push_back("#EXT-X-SESSION-DATA:DATA-ID=\"" + std::string(kHaptics) + "\",VALUE=\""
+                   + ahap_address + "\"");
   const auto first = std::ranges::find_if(
       lines, [](const std::string &line) { return line.starts_with(kVariant); });
   lines.insert(first, ours.begin(), ours.end());
@@ -130,49 +167,90 @@ with_track(std::string_view playlist, const std::string &uri, const std::string 
 Read<Segments>
 read_segments(std::string_view playlist)
 {
-  const std::vector<std::string_view> lines = lines_of(playlist);
+  std::vector<std::string_view> lines = lines_of(playlist);
+  // A file that is being written. Its last line needs no end where nothing follows it.
+  if (!lines.empty() && !playlist.ends_with('\n') && lines.back() != "#EXT-X-ENDLIST")
+    lines.pop_back();
   if (lines.empty() || lines.front() != "#EXTM3U")
     return expected("#EXTM3U in the first line");
   Segments segments;
-  const auto value = [](std::string_view line) {
-    return line.substr(line.find(':') + 1);
-  };
+  std::optional<Time> duration; // of the next URI
+  std::string date;
   for (const std::string_view line : lines) {
+    const std::string_view value = line.substr(line.find(':') + 1);
+    const auto refused = [line](const std::string &what) {
+      return expected(what + ", got '" + std::string(line.substr(0, 40)) + "'");
+    };
     if (line.starts_with("#EXTINF:")) {
-      const auto duration = number<double>(value(line));
-      if (!duration || !(*duration >= 0 && *duration <= kLongest))
-        return expected("#EXTINF with 0 to 3600 s, got '" + std::string(line.substr(0, 40)) + "'");
-      if (segments.durations.size() == kMostSegments)
-        return expected("at most " + std::to_string(kMostSegments) + " segments");
-      segments.durations.push_back(seconds(*duration));
+      const auto length = number<double>(value, ',');
+      if (!length || !(*length >= 0 && *length <= kLongest))
+        return refused("#EXTINF with 0 to 3600 s");
+      if (duration)
+        return refused("a URI after #EXTINF");
+      duration = seconds(*length);
     } else if (line.starts_with("#EXT-X-MEDIA-SEQUENCE:")) {
-      const auto sequence = number<std::int64_t>(value(line));
+      const auto sequence = number<std::int64_t>(value);
       if (!sequence || *sequence < 0 || *sequence > std::int64_t{ 1 } << 53)
-        return expected("a number in '" + std::string(line.substr(0, 40)) + "'");
+        return refused("a number");
       segments.sequence = *sequence;
-    } else if (line == "#EXT-X-DISCONTINUITY") {
-      return expected("time stamps that go on, got #EXT-X-DISCONTINUITY");
+    } else if (line.starts_with("#EXT-X-TARGETDURATION:")) {
+      const auto target = number<std::int64_t>(value);
+      if (!target || *target < 0 || static_cast<double>(*target) > kLongest)
+        return refused("0 to 3600 s");
+      segments.target = *target;
+    } else if (line.starts_with("#EXT-X-PLAYLIST-TYPE:")) {
+      if (value != "VOD" && value != "EVENT")
+        return refused("VOD or EVENT");
+      segments.type = value;
+    } else if (line.starts_with("#EXT-X-PROGRAM-DATE-TIME:")) {
+      if (line.size() > kMostDate)
+        return refused("a date");
+      date = line;
+    } else if (line.starts_with("#EXT-X-DISCONTINUITY")
+               && line != "#EXT-X-DISCONTINUITY-SEQUENCE:0") {
+      return refused("time stamps that go on");
     } else if (line == "#EXT-X-ENDLIST") {
       segments.is_ended = true;
+    } else if (duration && !line.empty() && !line.starts_with('#')) {
+      if (segments.durations.size() == kMostSegments)
+        return expected("at most " + std::to_string(kMostSegments) + " segments");
+      segments.durations.push_back(*std::exchange(duration, std::nullopt));
+      segments.dates.push_back(std::exchange(date, {}));
     }
   }
+  if (segments.target < 0)
+    return expected("#EXT-X-TARGETDURATION");
   return segments;
+}
+
+Read<Rendition>
+begun(Segments now)
+{
+  if (now.sequence > 0 && !now.is_ended && now.type != "EVENT")
+    return expected("a live stream from its first segment on, got segment "
+                    + std::to_string(now.sequence) + "; start tactile-track with the stream");
+  return Rendition{ .segments = std::move(now) };
+}
+
+std::int64_t
+oldest_kept(const Segments &segments)
+{
+  return segments.sequence - static_cast<std::int64_t>(segments.durations.size()) - 1;
 }
 
 std::string
 write_rendition(const Rendition &rendition)
 {
   const Segments &segments = rendition.segments;
-  Time longest = std::chrono::seconds(1);
-  for (const Time duration : segments.durations)
-    longest = std::max(longest, duration);
-  std::string text = "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:"
-                     + std::to_string(std::chrono::round<std::chrono::seconds>(longest).count())
-                     + "\n#EXT-X-MEDIA-SEQUENCE:" + std::to_string(segments.sequence) + "\n"
-                     + std::string(kState) + std::to_string(rendition.start) + " "
-                     + text_of(rendition.first) + "\n";
+  std::string text
+      = "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:" + std::to_string(segments.target)
+        + "\n#EXT-X-MEDIA-SEQUENCE:" + std::to_string(segments.sequence) + "\n"
+        + (segments.type.empty() ? "" : "#EXT-X-PLAYLIST-TYPE:" + segments.type + "\n")
+        + std::string(kState) + std::to_string(rendition.start) + " " + text_of(rendition.first)
+        + "\n";
   for (std::size_t i = 0; i < segments.durations.size(); i++)
-    text += "#EXTINF:" + text_of(segments.durations[i]) + ",\n"
+    text += (segments.dates[i].empty() ? "" : segments.dates[i] + "\n")
+            + "#EXTINF:" + text_of(segments.durations[i]) + ",\n"
             + std::to_string(segments.sequence + static_cast<std::int64_t>(i)) + ".vtt\n";
   return segments.is_ended ? text + "#EXT-X-ENDLIST\n" : text;
 }
@@ -187,7 +265,7 @@ read_rendition(std::string_view playlist)
     if (!line.starts_with(kState))
       continue;
     line.remove_prefix(kState.size());
-    const auto start = number<std::int64_t>(line);
+    const auto start = number<std::int64_t>(line, ' ');
     const auto first = number<double>(line.substr(std::min(line.find(' '), line.size() - 1) + 1));
     if (start && first && *first >= 0 && *first <= 1e9)
       return Rendition{ .segments = *std::move(segments),

@@ -101,17 +101,31 @@ private:
     if (std::chrono::abs(off) > kGap && gap < 0)
       samples = samples.subspan(std::min(static_cast<std::size_t>(-gap), samples.size()));
     else if (off > kGap)
-      add(std::vector<float>(static_cast<std::size_t>(std::min(gap, kMostSamples))));
+      add_silence(gap);
     add(samples);
     gst_buffer_unmap(buffer, &map);
   }
 
+  void count(std::int64_t samples)
+  {
+    if (samples > kMostSamples - count_)
+      throw std::runtime_error("'" + film_.title + "': expected a film of at most 10 hours");
+    count_ += samples;
+  }
+
   void add(std::span<const float> samples)
   {
-    count_ += static_cast<std::int64_t>(samples.size());
-    if (count_ > kMostSamples)
-      throw std::runtime_error("'" + film_.title + "': expected a film of at most 10 hours");
+    count(static_cast<std::int64_t>(samples.size()));
     maker_.add(samples);
+  }
+
+  void add_silence(std::int64_t samples)
+  {
+    count(samples);
+    const std::vector<float> silence(kRate);
+    for (; samples > 0; samples -= kRate)
+      maker_.add(std::span(silence).first(
+          static_cast<std::size_t>(std::min<std::int64_t>(samples, kRate))));
   }
 
   const Film &film_;

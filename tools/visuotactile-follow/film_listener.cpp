@@ -5,6 +5,7 @@
 
 #include <gst/app/gstappsink.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -55,11 +56,12 @@ FilmListener::source_name(const std::string &source)
                               : "'" + source + "'";
 }
 
-FilmListener::FilmListener(Settings settings, follow::PlayerEvents events,
-                           std::function<void(const std::string &)> said)
+FilmListener::FilmListener(Settings settings, follow::PlayerEvents events, Calls calls,
+                           std::shared_ptr<const listen::Catalogue> catalogue)
     : name_("listen (" + source_name(settings.source) + ")"), settings_(std::move(settings)),
-      events_(std::move(events)), said_(std::move(said)),
-      context_(g_main_context_ref_thread_default()), stop_(g_cancellable_new())
+      events_(std::move(events)), calls_(std::move(calls)),
+      context_(g_main_context_ref_thread_default()), stop_(g_cancellable_new()),
+      catalogue_(std::move(catalogue))
 {
   thread_ = std::thread([this] { listen(); });
 }
@@ -80,26 +82,38 @@ void
 FilmListener::listen()
 {
   try {
-    std::vector<std::string> complaints;
-    const listen::Catalogue catalogue(library::heard_entries(settings_.library, complaints, stop_));
-    for (const std::string &complaint : complaints)
-      post({ .said = complaint });
-    if (catalogue.films().empty()) {
-      post({ .gone = "expected entries of films (*.heard) in the library of --tracks, got none in '"
-                     + settings_.library + "'; make them with tactile-track learn" });
-      return;
-    }
-    post({ .said = "listens to " + source_name(settings_.source) + " for "
-                   + std::to_string(catalogue.films().size())
-                   + " films; sound is neither kept nor sent anywhere" });
-    hear(catalogue);
+    if (!catalogue_)
+      load();
+    if (!stops())
+      hear();
   } catch (const std::exception &error) {
     post({ .gone = error.what() });
   }
 }
 
 void
-FilmListener::hear(const listen::Catalogue &catalogue)
+FilmListener::load()
+{
+  std::vector<std::string> complaints;
+  auto entries = library::heard_entries(settings_.library, complaints, stop_);
+  auto catalogue = std::make_shared<const listen::Catalogue>(
+      std::move(entries), listen::Catalogue::kMostBytes, [this] { return stops(); });
+  if (stops())
+    return;
+  for (const std::string &complaint : complaints)
+    post({ .said = complaint });
+  for (const std::string &complaint : catalogue->complaints())
+    post({ .said = complaint });
+  if (catalogue->films().empty())
+    throw std::runtime_error(
+        "expected entries of films (*.heard) in the library of --tracks, got none in '"
+        + settings_.library + "'; make them with tactile-track learn");
+  catalogue_ = std::move(catalogue);
+  post({ .loaded = catalogue_ });
+}
+
+void
+FilmListener::hear()
 {
   const Pipeline pipeline
       = make_pipeline(source_line(settings_.source)
@@ -119,12 +133,15 @@ FilmListener::hear(const listen::Catalogue &catalogue)
   if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
                              + start_error(bus.get()));
-  listen::Listener listener(catalogue, kRate);
+  post({ .said = "listens to " + source_name(settings_.source) + " for "
+                 + std::to_string(catalogue_->films().size())
+                 + " films; sound is neither stored nor sent" });
+  listen::Listener listener(*catalogue_, kRate);
   auto *sound = GST_APP_SINK(sink.get());
-  while (g_cancellable_is_cancelled(stop_) == FALSE && gst_app_sink_is_eos(sound) == FALSE) {
+  while (!stops() && gst_app_sink_is_eos(sound) == FALSE) {
     g_autoptr(GstSample) sample = gst_app_sink_try_pull_sample(sound, kPatience);
     if (sample != nullptr)
-      add(sample, listener, catalogue);
+      add(sample, listener);
     g_autoptr(GstMessage) failed = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR);
     if (failed == nullptr)
       continue;
@@ -134,11 +151,11 @@ FilmListener::hear(const listen::Catalogue &catalogue)
                              + error->message);
   }
   if (gst_app_sink_is_eos(sound) != FALSE)
-    post({ .gone = "the sound has ended" });
+    post({ .ended = is_sound_file(settings_.source), .gone = "the sound has ended" });
 }
 
 void
-FilmListener::add(GstSample *sample, listen::Listener &listener, const listen::Catalogue &catalogue)
+FilmListener::add(GstSample *sample, listen::Listener &listener)
 {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   const GstClockTime running = gst_segment_to_running_time(gst_sample_get_segment(sample),
@@ -156,7 +173,7 @@ FilmListener::add(GstSample *sample, listen::Listener &listener, const listen::C
   }
   if (!heard)
     return;
-  const listen::Entry &film = catalogue.films()[heard->film];
+  const listen::Entry &film = catalogue_->films()[heard->film];
   if (!known_track_ || heard->film != film_number_) {
     const auto track
         = tactile::track_format(film.track_name()).and_then([&](tactile::TrackFormat format) {
@@ -207,7 +224,11 @@ FilmListener::take(const News &news)
 {
   const Time now = local_time();
   if (!news.said.empty())
-    said_(news.said);
+    calls_.said(news.said);
+  if (news.loaded)
+    calls_.loaded(news.loaded);
+  if (news.ended)
+    calls_.ended();
   if (!news.gone.empty()) {
     events_.gone(news.gone);
     return;
@@ -220,13 +241,19 @@ FilmListener::take(const News &news)
     return;
   film_ = news.film;
   track_ = news.track;
-  const double since = static_cast<double>((now - news.heard->at + settings_.latency).count());
-  const Time position = news.heard->position + Time(std::llround(since * news.heard->rate));
-  events_.reported({ .received = now,
-                     .asked = now,
-                     .position = position,
-                     .doing = Doing::playing,
-                     .rate = news.heard->rate,
-                     .sought = news.heard->begins,
-                     .film = film_ });
+  events_.reported(report(*news.heard, film_, settings_.latency, now));
+}
+
+Report
+FilmListener::report(const listen::Heard &heard, std::string film, Time latency, Time now)
+{
+  const double since = static_cast<double>((now - heard.at + latency).count());
+  const Time position = heard.position + Time(std::llround(since * heard.rate));
+  return { .received = now,
+           .asked = now,
+           .position = std::max(position - kError, Time(0)),
+           .doing = Doing::playing,
+           .rate = heard.rate,
+           .sought = heard.begins,
+           .film = std::move(film) };
 }

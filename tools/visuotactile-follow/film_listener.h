@@ -6,7 +6,6 @@
 #include "library/heard.h"
 #include "listen/listener.h"
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -29,8 +28,17 @@ public:
     follow::Time latency{ 0 }; ///< from a sound at the screen to its time stamp here
   };
 
-  FilmListener(Settings settings, follow::PlayerEvents events,
-               std::function<void(const std::string &)> said);
+  struct Calls
+  {
+    std::function<void(const std::string &)> said;
+    /// The catalogue was loaded. It can be used by the next listener.
+    std::function<void(std::shared_ptr<const listen::Catalogue>)> loaded;
+    std::function<void()> ended; ///< a file was heard to its end: events.gone follows, for good
+  };
+
+  /// Without a catalogue, one is loaded.
+  FilmListener(Settings settings, follow::PlayerEvents events, Calls calls,
+               std::shared_ptr<const listen::Catalogue> catalogue);
   ~FilmListener() override;
   FilmListener(const FilmListener &) = delete;
   FilmListener &operator=(const FilmListener &) = delete;
@@ -41,7 +49,7 @@ public:
   }
   follow::Habits habits() const override
   {
-    return {};
+    return { .coarseness = 2 * kError };
   }
   bool yields() const override
   {
@@ -51,6 +59,13 @@ public:
   {
     return track_;
   }
+
+  /// Largest error of a position in a room.
+  static constexpr follow::Time kError = std::chrono::milliseconds(10);
+  /// The report, at local time `now`, of a film that was heard. Habits round positions down, so it
+  /// is early by kError.
+  static follow::Report report(const listen::Heard &heard, std::string film, follow::Time latency,
+                               follow::Time now);
 
   /// Its name for messages: "the microphone".
   static std::string source_name(const std::string &source);
@@ -62,14 +77,21 @@ private:
     std::optional<listen::Heard> heard{};
     std::string film{};
     std::shared_ptr<const tactile::Track> track{};
+    std::shared_ptr<const listen::Catalogue> loaded{};
     bool lost = false;
+    bool ended = false;
     std::string said{};
     std::string gone{};
   };
 
   void listen();
-  void hear(const listen::Catalogue &catalogue);
-  void add(GstSample *sample, listen::Listener &listener, const listen::Catalogue &catalogue);
+  void load();
+  bool stops() const
+  {
+    return g_cancellable_is_cancelled(stop_) != FALSE;
+  }
+  void hear();
+  void add(GstSample *sample, listen::Listener &listener);
   void post(News news);
   void take(const News &news);
   static gboolean on_news(gpointer self);
@@ -77,17 +99,18 @@ private:
   const std::string name_;
   const Settings settings_;
   const follow::PlayerEvents events_;
-  const std::function<void(const std::string &)> said_;
+  const Calls calls_;
   std::shared_ptr<const tactile::Track> track_;
   std::string film_;
-  bool is_known_ = false;
   GMainContext *context_;
   GCancellable *stop_;
   std::mutex mutex_; ///< guards the next two
   std::vector<News> news_;
   GSource *source_ = nullptr; ///< until it was dispatched
   follow::Time base_{ 0 };    ///< local time of running time 0
-  bool knew_ = false;         ///< of the listening thread, like the next
+  /// Of the listening thread, like the next.
+  std::shared_ptr<const listen::Catalogue> catalogue_;
+  bool knew_ = false;
   std::size_t film_number_ = 0;
   std::shared_ptr<const tactile::Track> known_track_;
   std::thread thread_;

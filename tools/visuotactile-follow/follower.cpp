@@ -198,9 +198,17 @@ Follower::look_for_players()
 void
 Follower::look_for_sound()
 {
-  if (listens_ && !rests_ && !lists_ && !players_.contains(kSound))
-    add(kSound, std::make_unique<FilmListener>(*settings_.listens, events_of(kSound),
-                                               [this](const std::string &text) { tell(text); }));
+  if (!listens_ || rests_ || lists_ || players_.contains(kSound)
+      || !listening_.is_due(local_time()))
+    return;
+  FilmListener::Calls calls{ .said = [this](const std::string &text) { tell(text); },
+                             .loaded = [this](auto catalogue) { catalogue_ = catalogue; },
+                             .ended =
+                                 [this] {
+                                   listens_ = false;
+                                 } };
+  add(kSound, std::make_unique<FilmListener>(*settings_.listens, events_of(kSound),
+                                             std::move(calls), catalogue_));
 }
 
 void
@@ -258,7 +266,8 @@ Follower::add(const std::string &key, std::unique_ptr<follow::Player> player)
 {
   if (players_.size() >= kMostPlayers)
     return;
-  tell(player->name() + " is there");
+  if (!player->yields()) // a listener says when it listens
+    tell(player->name() + " is there");
   const follow::Habits habits = player->habits();
   players_[key] = { .player = std::move(player),
                     .estimator = follow::PositionEstimator({ .habits = habits }) };
@@ -279,6 +288,12 @@ Follower::reported(const std::string &key, const Report &report)
   player.has_played = player.has_played || begins;
   if (report.doing != Doing::stalled)
     player.was_paused = player.has_played && report.doing == Doing::paused;
+  if (report.sought)
+    player.found = report.received;
+  if (key == kSound) {
+    listening_.worked();
+    not_heard_.clear();
+  }
   player.last = report;
   if (goes_on && session_)
     session_->somebody_is_there();
@@ -295,31 +310,34 @@ Follower::gone(const std::string &key, const std::string &why)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.is_gone = true;
-  if (key == kSound)
-    listens_ = false; // a missing microphone does not come back by itself
-  tell(found->second.player->name() + " is gone: " + why);
+  if (key == kSound && listens_)
+    listening_.failed(local_time());
+  if (key != kSound || std::exchange(not_heard_, why) != why)
+    tell(found->second.player->name() + " is gone: " + why);
   update();
 }
 
-/// Prefers a player that plays, of these one that reports its position, then the listener. A paused
-/// film is prepared, so that it is felt from its first moment on.
 void
 Follower::choose()
 {
-  const auto rank = [](const Followed &one) {
-    if (one.is_gone || one.last.doing != Doing::playing)
-      return one.is_gone || one.last.doing != Doing::paused ? 0 : 1;
-    return !one.player->fault().empty() ? 2 : one.player->yields() ? 3 : 4;
-  };
-  constexpr int kPlays = 2;
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  Followed *best = current_;
-  for (auto &[key, followed] : players_)
-    if (rank(followed) > (best != nullptr ? rank(*best) : 0)
-        && (rank(followed) >= kPlays || best == nullptr || best->last.doing == Doing::stopped))
-      best = &followed;
-  if (best != nullptr && std::exchange(current_, best) != best) {
+  std::vector<Followed *> players;
+  std::vector<PlayerChoice::Candidate> candidates;
+  std::optional<std::size_t> current;
+  for (auto &[key, followed] : players_) {
+    if (followed.is_gone)
+      continue;
+    if (&followed == current_)
+      current = players.size();
+    players.push_back(&followed);
+    candidates.push_back({ .doing = followed.last.doing,
+                           .is_faulty = !followed.player->fault().empty(),
+                           .is_heard = followed.player->yields(),
+                           .found = followed.found });
+  }
+  const auto best = choice_.choose(candidates, current, local_time());
+  if (best && std::exchange(current_, players[*best]) != players[*best]) {
     cues_.change_player();
     set_delay();
   }
@@ -432,8 +450,12 @@ Follower::tick()
     current_->player->ask();
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  const auto left = std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
-  if (left > 0 && settings_.once)
+  const bool has_left = std::ranges::any_of(players_, [&](const auto &one) {
+    // A listener that failed tries again, and one that has heard all is not the only one perhaps.
+    return one.second.is_gone && (one.first != kSound || (!listens_ && players_.size() == 1));
+  });
+  std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  if (has_left && settings_.once)
     g_main_loop_quit(loop_);
   for (const std::string &name : std::exchange(returned_, {}))
     appeared(name);

@@ -5,7 +5,9 @@
 #include "film_listener.h"
 #include "film_track.h"
 #include "follow_service.h"
+#include "player_choice.h"
 #include "player_timing.h"
+#include "retry.h"
 #include "session_watch.h"
 
 #include "follow/players/kodi_player.h"
@@ -40,8 +42,7 @@ struct FollowSettings
   bool quiet = false;
 };
 
-/// Follows the player that plays; of several, the one that it followed before. Main context's
-/// thread.
+/// Follows the player that PlayerChoice chooses. Main context's thread.
 class Follower
 {
 public:
@@ -63,6 +64,7 @@ private:
     std::unique_ptr<follow::Player> player;
     follow::PositionEstimator estimator{};
     follow::Report last{};   ///< newest of its kind
+    follow::Time found{ 0 }; ///< its newest report of a leap, or of a film found
     bool was_paused = false; ///< paused, and has not continued yet
     bool has_played = false; ///< since it appeared
     bool is_gone = false;
@@ -109,6 +111,7 @@ private:
   std::unique_ptr<SessionWatch> session_;
   PlayerTiming timing_;
   std::map<std::string, Followed> players_;
+  PlayerChoice choice_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played or searched for
   follow::Time position_{ 0 }; ///< last known one of the film
@@ -125,6 +128,9 @@ private:
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;
   bool looks_for_kodi_ = true;
-  bool listens_;
+  bool listens_; ///< until a file has ended
+  Retry listening_;
+  std::string not_heard_; ///< why it failed to listen, as the user knows it
+  std::shared_ptr<const listen::Catalogue> catalogue_;
   bool lists_ = false; ///< the players, and follows none
 };

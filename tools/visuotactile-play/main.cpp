@@ -43,6 +43,8 @@ constexpr const char *kCommands = "commands.csv";
 constexpr const char *kStrip = "strip.png";
 constexpr gint kOfDevice = G_MININT; ///< side of the grid: the device's, else kPaperSide
 constexpr gint kPaperSide = 3;
+/// 5 Hz; of a track every cue, as written.
+constexpr gdouble kUsualRate = std::numeric_limits<gdouble>::lowest();
 
 bool
 is_same_file(const std::string &uri, const std::filesystem::path &path)
@@ -79,7 +81,7 @@ struct Options
   gboolean mute = FALSE; ///< likewise
   gint rows = kOfDevice;
   gint columns = kOfDevice;
-  gdouble rate = 5;
+  gdouble rate = kUsualRate;
   gdouble sensitivity = 1;
   gdouble density = 0;
   gboolean no_window = FALSE;
@@ -149,7 +151,8 @@ read_command_line(int argc, char **argv, Options &options)
     { "columns", 'c', 0, G_OPTION_ARG_INT, &options.columns,
       "Columns of tactors, 1 to 64 (default: the device's, else 3)", "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &options.rate,
-      "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
+      "Rate in Hz at which levels may change; 0: with every frame (default: 5, and 0 with a track)",
+      "HZ" },
     { "sensitivity", 0, 0, G_OPTION_ARG_DOUBLE, &options.sensitivity,
       "Factor on the contrast of events, 0.1 to 10 (default: 1)", "FACTOR" },
     { "density", 0, 0, G_OPTION_ARG_DOUBLE, &options.density,
@@ -211,7 +214,7 @@ read_command_line(int argc, char **argv, Options &options)
   for (const gint side : { options.rows, options.columns })
     if (side != kOfDevice && (side < 1 || side > 64))
       throw UsageError("--rows and --columns are whole numbers from 1 to 64");
-  if (!(options.rate >= 0 && options.rate <= 1000))
+  if (options.rate != kUsualRate && !(options.rate >= 0 && options.rate <= 1000))
     throw UsageError("--rate is a number of Hz from 0 to 1000");
   if (!(options.sensitivity >= 0.1 && options.sensitivity <= 10))
     throw UsageError("--sensitivity is a number from 0.1 to 10");
@@ -397,11 +400,26 @@ run(const Options &options)
   const Film film = options.films.empty() ? synthetic_film() : discover_film(options.films.front());
 
   PlaySettings settings;
-  settings.sound = sound_profile(options.sound.text());
+  settings.quiet = options.common.quiet;
+#ifdef HAVE_LIBRARY
+  const std::optional<StoredTrack> track
+      = options.tracks.is_set() ? StoredTrack::find(film, options.tracks.text()) : std::nullopt;
+  if (track) {
+    expect_elements(std::array{ "subparse", "tactileconverter", "tactilecombiner" });
+    settings.track = track->path();
+    if (!settings.quiet)
+      std::printf("Track          %s\n", track->source().c_str());
+  } else if (options.tracks.is_set()) {
+    print_error(kProgram,
+                "there is no track for '" + film.title + "': what the analysis finds is played");
+  }
+#endif
+  // A track replaces the maps of the sound and of people, which nothing else needs.
+  const bool has_track = !settings.track.empty();
+  settings.sound = has_track ? nullptr : sound_profile(options.sound.text());
   if (settings.sound)
     expect_elements(kSoundElements);
   settings.window = !options.no_window && have_display();
-  settings.quiet = options.common.quiet;
   settings.analysis_options = "profile=" + options.profile.text();
   if (options.rows != kOfDevice)
     settings.analysis_options += " rows=" + std::to_string(options.rows);
@@ -411,10 +429,11 @@ run(const Options &options)
     settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
   if (options.density > 0)
     settings.analysis_options += " density=" + number_text(options.density);
-  if (options.people.text() != "off")
+  if (!has_track && options.people.text() != "off")
     settings.analysis_options += " people=" + options.people.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;
-  settings.chair = chair_line(options) + " rate=" + number_text(options.rate);
+  const double rate = options.rate != kUsualRate ? options.rate : has_track ? 0 : 5;
+  settings.chair = chair_line(options) + " rate=" + number_text(rate);
   settings.has_trace = chosen.driver != kAudio;
   if (settings.has_trace)
     settings.chair += " compensation=" + options.compensation.text();
@@ -430,20 +449,6 @@ run(const Options &options)
     std::puts(shell_command(film, settings).c_str());
     return 0;
   }
-
-#ifdef HAVE_LIBRARY
-  const std::optional<StoredTrack> track
-      = options.tracks.is_set() ? StoredTrack::find(film, options.tracks.text()) : std::nullopt;
-  if (track) {
-    expect_elements(std::array{ "subparse", "tactileconverter", "tactilecombiner" });
-    settings.track = track->path();
-    if (!settings.quiet)
-      std::printf("Track          %s\n", track->source().c_str());
-  } else if (options.tracks.is_set()) {
-    print_error(kProgram,
-                "there is no track for '" + film.title + "': what the analysis finds is played");
-  }
-#endif
 
   std::optional<Output> recording;
   std::optional<Output> commands;

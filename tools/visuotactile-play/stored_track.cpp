@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stored_track.h"
 
+#include "film/command_line.h"
 #include "film/or_throw.h"
 #include "library/library.h"
 #include "tracks/formats/webvtt.h"
@@ -19,14 +20,18 @@ StoredTrack::find(const Film &film, const std::string &tracks)
   const auto duration = GST_CLOCK_TIME_IS_VALID(film.duration)
                             ? std::optional(tactile::Time(static_cast<gint64>(film.duration)))
                             : std::nullopt;
-  auto found = library.beside(film.uri, {}, complaints.library);
+  std::string subtitles;
+  auto found = library.beside(film.uri, {}, subtitles);
   if (!found)
     found = library.stored(film.uri, duration, {}, complaints);
-  const std::string why = found ? found->fault : complaints.library;
-  if (!why.empty())
-    throw std::runtime_error(why);
-  if (!found)
+  if (!found) {
+    for (const std::string &complaint : { subtitles, complaints.library, complaints.alike })
+      if (!complaint.empty())
+        print_error("visuotactile-play", complaint);
     return std::nullopt;
+  }
+  if (!found->fault.empty())
+    throw std::runtime_error(found->fault);
   const std::string text = tactile::write_webvtt(or_throw(shift(found->track, film.start.stream)));
   g_autofree gchar *name = nullptr;
   g_autoptr(GError) error = nullptr;

@@ -11,8 +11,9 @@
 class StoredTrack
 {
 public:
-  /// Searches beside the film, then in a library (lib/library). None: there is no track. Throws
-  /// std::runtime_error if the track is faulty or the library cannot be read.
+  /// Searches beside the film, then in a library (lib/library). None: there is no track;
+  /// prints why files were skipped or the library cannot be read. Throws std::runtime_error if the
+  /// track is faulty.
   static std::optional<StoredTrack> find(const Film &film, const std::string &tracks);
 
   StoredTrack(StoredTrack &&other) noexcept;

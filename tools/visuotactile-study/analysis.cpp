@@ -3,7 +3,6 @@
 // Commands that R computes.
 #include "commands.h"
 
-#include "files/whole_file.h"
 #include "film/command_line.h"
 #include "film/or_throw.h"
 #include "film/output.h"
@@ -63,6 +62,13 @@ dictionary(const study::Study &study)
   }
   for (const study::Question &question : study.questions)
     add("question", question.name, name_of(question.kind), question.text);
+  for (const study::Question &question : study.questions) {
+    const bool is_likert = question.kind == study::Question::Kind::likert;
+    add("scale", question.name, "",
+        study::write_number(is_likert ? 1 : question.low) + " "
+            + study::write_number(is_likert ? static_cast<double>(question.labels.size())
+                                            : question.high));
+  }
   return text;
 }
 
@@ -91,12 +97,13 @@ write_report(int argc, char **argv)
         .least = 1,
         .most = 1 });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
+  print_damaged("visuotactile-study report", *folder);
   prepare_directory(output.text());
   const std::string to = output.text() + "/";
   for (const auto &[name, text] : { std::pair{ "answers.csv", study::answer_table(*folder) },
                                     std::pair{ "orders.csv", study::order_table(*folder) },
                                     std::pair{ "dictionary.tsv", dictionary(folder->study()) } })
-    or_throw(files::replace_file(to + name, text));
+    write_private(to + name, text);
   run_r({ script("report.R"), output.text(), folder->path() + "/published.csv",
           with_marked ? "with-marked" : "without-marked" },
         common.quiet);

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "study/folder.h"
+
+/// Prints a warning for each participant whose journal cannot be read.
+void print_damaged(const char *program, const study::Folder &folder);
+
+/// Writes a file of answers, which only the user may read if it is new.
+void write_private(const std::string &path, const std::string &text);
+
 /// main() of each command.
 int make_new(int argc, char **argv);
 int run_study(int argc, char **argv);

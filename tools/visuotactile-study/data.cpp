@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <sys/stat.h>
 
 namespace {
 
@@ -30,15 +31,27 @@ marks_of(const Participant &participant)
   return text;
 }
 
-void
-write_text_file(const std::string &path, const std::string &text)
-{
-  const std::string warning = or_throw(files::replace_file(path, text));
-  if (!warning.empty())
-    print_error("visuotactile-study", warning);
-}
+constexpr const char *kProgram = "visuotactile-study";
 
 } // namespace
+
+void
+write_private(const std::string &path, const std::string &text)
+{
+  const mode_t mask = umask(077);
+  const auto written = files::replace_file(path, text);
+  umask(mask);
+  if (const std::string warning = or_throw(written); !warning.empty())
+    print_error(kProgram, warning);
+}
+
+void
+print_damaged(const char *program, const Folder &folder)
+{
+  for (const auto &[name, why] : folder.damaged())
+    print_error(program, name + " is left out: " + why
+                             + "; put back a copy of the file, or forget the participant");
+}
 
 int
 print_status(int argc, char **argv)
@@ -55,7 +68,7 @@ print_status(int argc, char **argv)
       { .arguments = "FOLDER",
         .summary = "Prints each participant with place, state, and sessions that are marked: "
                    "repeated, late,\ndropped-frames, chair (what the chair reported), stopped, "
-                   "failed, interrupted.",
+                   "failed, interrupted, not-shown,\nno-commands, no-noise, simulated.",
         .least = 1,
         .most = 1,
         .force_help = Usage::kWritesNothing });
@@ -64,6 +77,7 @@ print_status(int argc, char **argv)
     std::fputs(study::order_table(*folder).c_str(), stdout);
     return 0;
   }
+  print_damaged(kProgram, *folder);
   unsigned done = 0;
   std::string other_studies;
   for (const auto &one : folder->participants()) {
@@ -75,6 +89,8 @@ print_status(int argc, char **argv)
     if (one->study_sum() != folder->participants().front()->study_sum())
       other_studies += " " + one->name();
   }
+  for (const auto &[name, why] : folder->damaged())
+    std::printf("%-6s damaged\n", name.c_str());
   std::printf("%u of %u people have finished\n", done, folder->study().people);
   if (!other_studies.empty())
     std::printf("study.ini was changed between participants; with another one than the first:%s\n",
@@ -100,7 +116,12 @@ export_table(int argc, char **argv)
         .least = 1,
         .most = 1 });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
-  write_text_file(output.text(), study::answer_table(*folder));
+  print_damaged(kProgram, *folder);
+  std::error_code error;
+  if (!common.force && std::filesystem::exists(output.text(), error))
+    throw std::runtime_error("'" + output.text()
+                             + "' exists; expected another name with --output, or --force");
+  write_private(output.text(), study::answer_table(*folder));
   if (!common.quiet)
     std::printf("written: %s\n", output.text().c_str());
   return 0;
@@ -135,7 +156,7 @@ simulate(int argc, char **argv)
         .most = 1,
         .force_help = "No effect: data are never replaced" });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::writes));
-  if (!folder->participants().empty())
+  if (!folder->participants().empty() || !folder->damaged().empty())
     throw std::runtime_error("'" + arguments[0]
                              + "' has data; expected a study without participants");
   if (people < 0 || people > 1000)

@@ -4,6 +4,8 @@
 #include "../visuotactile-play/display.h"
 #include "../visuotactile-play/launch_line.h"
 
+#include "chair/settings.h"
+#include "film/command_line.h"
 #include "film/device_list.h"
 #include "film/frame_times.h"
 #include "film/known_driver.h"
@@ -14,6 +16,8 @@
 namespace {
 
 using Outcome = study::Play::Outcome;
+
+constexpr const char *kNoNoise = "no-noise"; ///< the masking noise was not heard
 
 std::string
 setting(const study::Settings &settings, const char *name, const char *otherwise = "")
@@ -93,6 +97,10 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
       },
       this, nullptr);
   const double noise = g_ascii_strtod(setting(order.settings, "noise", "0").c_str(), nullptr);
+  if (!order.window)
+    result_.doubts.emplace_back("not-shown");
+  if (noise > 0 && !order.window)
+    result_.doubts.emplace_back(kNoNoise);
   if (noise > 0 && order.window) {
     noise_ = make_pipeline("audiotestsrc wave=pink-noise volume=" + study::write_number(noise)
                            + " ! audioconvert ! audioresample ! autoaudiosink");
@@ -236,21 +244,24 @@ void
 FilmPlay::end(Outcome outcome, const std::string &text)
 {
   watch_ = 0;
+  // Motors to zero before all that may take its time: an audio server may hang. The other sinks go
+  // on, as the picture's loses its counts when it pauses.
+  gst_element_set_state(chair_.get(), GST_STATE_PAUSED);
   if (noise_) {
     const Owned<GstBus> bus(gst_element_get_bus(noise_.get()));
     if (GstMessage *error = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
-      result_.chair = "the masking noise could not be played";
+      result_.doubts.emplace_back(kNoNoise);
       gst_message_unref(error);
     }
   }
   noise_.reset();
-  count_frames();                                           // the counts are lost after PLAYING
-  gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else
+  count_frames();
   result_.outcome = outcome;
   result_.text = text;
   if (!is_audio_ && result_.chair.empty())
     try {
-      is_simulated(chair_.get(), told_);
+      if (is_simulated(chair_.get(), told_))
+        result_.doubts.emplace_back("simulated");
     } catch (const std::runtime_error &error) {
       result_.chair = error.what();
     }
@@ -270,6 +281,35 @@ expect_playable(const std::string &film, const study::Settings &settings)
   expect_driver(setting(settings, "driver", "auto"), kAudio);
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
+}
+
+study::Settings
+user_defaults(const char *program)
+{
+  chair::Settings user = chair::read_settings();
+  for (const std::string &complaint : user.complaints)
+    print_error(program, complaint);
+  if (const auto grid = user.values.find(chair::kGrid); grid != user.values.end()) {
+    const chair::Grid size = chair::parse_grid(grid->second);
+    user.values["rows"] = std::to_string(size.rows);
+    user.values["columns"] = std::to_string(size.columns);
+  }
+  for (const char *name : { chair::kGrid, chair::kEnabled, "mute" }) // of no session
+    user.values.erase(name);
+  return user.values;
+}
+
+void
+add_defaults(study::Settings &settings, const study::Settings &defaults)
+{
+  const bool has_driver = setting(settings, "driver", setting(defaults, "driver", "auto").c_str())
+                          == setting(defaults, "driver", "auto");
+  for (const auto &[name, value] : defaults) {
+    const bool of_driver = name == "device" || name == "mapping" || name == "calibration"
+                           || name == "rows" || name == "columns";
+    if (has_driver || !of_driver)
+      settings.emplace(name, value);
+  }
 }
 
 bool

@@ -65,5 +65,13 @@ private:
 /// Throws std::runtime_error if a film of these settings cannot be played at all.
 void expect_playable(const std::string &film, const study::Settings &settings);
 
+/// The user's settings (visuotactile-settings) that a session may have. Prints a line for each
+/// entry that cannot be read.
+study::Settings user_defaults(const char *program);
+
+/// Adds what the settings of a session leave open. What belongs to the user's driver is left out if
+/// the session has another.
+void add_defaults(study::Settings &settings, const study::Settings &defaults);
+
 /// Whether a window can show films here.
 bool can_show_films();

@@ -4,6 +4,7 @@
 
 #include "../visuotactile-follow/session_watch.h"
 
+#include "files/whole_file.h"
 #include "film/command_line.h"
 #include "film/or_throw.h"
 #include "web/browser.h"
@@ -14,23 +15,33 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 namespace {
 
 constexpr const char *kProgram = "visuotactile-study run";
 constexpr int kHighestPort = 65535;
 
-struct Unref
+/// The secrets of the two pages' addresses. They stay: a page that is open when the program ends
+/// finds the next one at the same address, and gives it the answer that it has kept.
+std::pair<std::string, std::string>
+page_secrets(const std::string &file)
 {
-  void operator()(gpointer object) const
-  {
-    g_object_unref(object);
-  }
-};
+  constexpr std::size_t kDigits = 32;
+  constexpr std::size_t kBytes = 2 * kDigits + 1;
+  const auto kept = files::read_whole(file, kBytes);
+  if (kept && kept->size() == kBytes && (*kept)[kDigits] == '\n'
+      && kept->find_first_not_of("0123456789abcdef\n") == std::string::npos)
+    return { kept->substr(0, kDigits), kept->substr(kDigits + 1) };
+  std::pair<std::string, std::string> fresh{ random_token(), random_token() };
+  write_private(file, fresh.first + "\n" + fresh.second);
+  return fresh;
+}
 
 /// Throws std::runtime_error if a session could not be played.
 void
-expect_films(const study::Folder &folder, const study::Settings &overrides)
+expect_films(const study::Folder &folder, const study::Settings &overrides,
+             const study::Settings &defaults)
 {
   const study::Study &study = folder.study();
   std::vector<study::Settings> sessions;
@@ -47,6 +58,7 @@ expect_films(const study::Folder &folder, const study::Settings &overrides)
     settings.insert(study.settings.begin(), study.settings.end());
     for (const auto &[name, value] : overrides)
       settings[name] = value;
+    add_defaults(settings, defaults);
     const std::string &film = settings["film"];
     if (film.empty())
       throw std::runtime_error("study.ini: expected film=FILE in [settings] or in a level of each "
@@ -104,35 +116,45 @@ run_study(int argc, char **argv)
   if (!std::filesystem::exists(page + "/index.html", error))
     throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
   const auto folder = or_throw(study::Folder::open(arguments[0], study::Folder::Use::writes));
+  print_damaged(kProgram, *folder);
   study::Settings overrides;
   if (driver.is_set())
     overrides["driver"] = driver.text();
-  expect_films(*folder, overrides);
+  const study::Settings defaults = user_defaults(kProgram);
+  expect_films(*folder, overrides, defaults);
   const bool window = !no_window && can_show_films();
   if (!window && !no_window)
     print_error(kProgram, "there is no display: films are played, but not shown");
 
-  StudySite site(*folder, { .page = page, .window = window, .overrides = overrides });
+  const auto [secret, experimenter_secret] = page_secrets(folder->data(".pages"));
+  const std::string experimenter_path = experimenter_secret + "/";
+  StudySite site(*folder, { .page = page,
+                            .experimenter = experimenter_path,
+                            .window = window,
+                            .defaults = defaults,
+                            .overrides = overrides });
   const Server server({ .port = static_cast<guint16>(port),
                         .usual = usual_port(std::filesystem::absolute(folder->path(), error)),
                         .program = kProgram,
-                        .inline_styles = true },
+                        .inline_styles = true,
+                        .token = secret },
                       site);
-  const std::unique_ptr<GDBusConnection, Unref> bus(
-      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough
+  g_autoptr(GDBusConnection) bus
+      = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr); // none: the system bus is enough
   if (bus)
-    g_dbus_connection_set_exit_on_close(bus.get(), FALSE);
-  const SessionWatch watch(bus.get(), kProgram, [&](bool rests, const std::string &why) {
+    g_dbus_connection_set_exit_on_close(bus, FALSE);
+  const SessionWatch watch(bus, kProgram, [&](bool rests, const std::string &why) {
     if (rests)
       site.stop_film(why);
   });
-  std::printf("%s\n%sexperimenter\n", server.address().c_str(), server.address().c_str());
+  std::printf("%s\n%s%s\n", server.address().c_str(), server.address().c_str(),
+              experimenter_path.c_str());
   std::fflush(stdout);
   Browser participant;
   Browser experimenter;
   if (!no_browser)
-    for (const auto &[browser, path] :
-         { std::pair{ &participant, "" }, std::pair{ &experimenter, "experimenter" } })
+    for (const auto &[browser, path] : { std::pair{ &participant, std::string() },
+                                         std::pair{ &experimenter, experimenter_path } })
       if (const std::string why = browser->open(server.address() + path); !why.empty())
         print_error(kProgram, "no browser could be opened: " + why + "; open the addresses above");
   if (!common.quiet)

@@ -15,25 +15,6 @@ namespace json = visuotactile::json;
 using study::Event;
 using study::Step;
 
-/// A text of a message from a page; empty if there is none.
-std::string
-text_of(JsonObject *object, const char *name)
-{
-  JsonNode *node = object ? json_object_get_member(object, name) : nullptr;
-  return node && JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_STRING
-             ? json_node_get_string(node)
-             : "";
-}
-
-std::string
-object_json(const study::Settings &settings)
-{
-  std::string text;
-  for (const auto &[name, value] : settings)
-    text += (text.empty() ? "" : ", ") + json::write_text(name) + ": " + json::write_text(value);
-  return "{" + text + "}";
-}
-
 std::string
 gstreamer_version()
 {
@@ -44,20 +25,25 @@ gstreamer_version()
 } // namespace
 
 const StudySite::Route StudySite::kRoutes[] = {
-  { "state", "GET", &StudySite::state },   { "overview", "GET", &StudySite::overview },
-  { "events", "GET", &StudySite::events }, { "step", "POST", &StudySite::step },
-  { "play", "POST", &StudySite::play },    { "act", "POST", &StudySite::act },
+  { false, "state", "GET", &StudySite::state },
+  { false, "events", "GET", &StudySite::events },
+  { false, "step", "POST", &StudySite::step },
+  { false, "play", "POST", &StudySite::play },
+  { true, "play", "POST", &StudySite::play },
+  { true, "overview", "GET", &StudySite::overview },
+  { true, "events", "GET", &StudySite::all_events },
+  { true, "act", "POST", &StudySite::act },
 };
 
 StudySite::StudySite(study::Folder &folder, Settings settings)
     : folder_(folder), settings_(std::move(settings)), active_(folder.unfinished()),
-      events_([](const std::string &) {}),
+      events_([](const std::string &) {}), of_experimenter_([](const std::string &) {}),
       tick_(g_timeout_add(
           100,
           +[](gpointer data) -> gboolean {
             auto *self = static_cast<StudySite *>(data);
             if (self->play_)
-              self->events_.send(Events::event("chair", self->chair_json()));
+              self->of_experimenter_.send(Events::event("chair", self->chair_json()));
             return G_SOURCE_CONTINUE;
           },
           this))
@@ -70,28 +56,41 @@ StudySite::~StudySite()
   stop_film("the program was ended");
 }
 
+const StudySite::Route *
+StudySite::find(const std::string &path, bool &of_experimenter, std::string &rest) const
+{
+  of_experimenter = path.starts_with(settings_.experimenter);
+  rest = of_experimenter ? path.substr(settings_.experimenter.size()) : path;
+  const auto *const found = std::ranges::find_if(kRoutes, [&](const Route &route) {
+    return route.of_experimenter == of_experimenter && route.path == rest;
+  });
+  return found != std::end(kRoutes) ? found : nullptr;
+}
+
 std::string
 StudySite::methods(const std::string &path) const
 {
-  const auto *const found = std::ranges::find(kRoutes, path, &Route::path);
-  return found != std::end(kRoutes) ? found->methods : "GET, HEAD";
+  bool of_experimenter = false;
+  std::string rest;
+  const Route *route = find(path, of_experimenter, rest);
+  return route ? route->methods : "GET, HEAD";
 }
 
 void
 StudySite::answer(SoupServerMessage *message, const std::string &path)
 {
-  const auto *const found = std::ranges::find(kRoutes, path, &Route::path);
-  if (found == std::end(kRoutes)) {
+  bool of_experimenter = false;
+  std::string rest;
+  const Route *route = find(path, of_experimenter, rest);
+  if (route == nullptr) {
     constexpr std::string_view kVendor = "vendor-";
-    if (path.starts_with(kVendor))
-      return answer_page(message, settings_.page + "/vendor", path.substr(kVendor.size()));
-    return answer_page(message, settings_.page,
-                       path.empty()             ? "index.html"
-                       : path == "experimenter" ? "experimenter.html"
-                                                : path);
+    if (rest.starts_with(kVendor))
+      return answer_page(message, settings_.page + "/vendor", rest.substr(kVendor.size()));
+    const char *first = of_experimenter ? "experimenter.html" : "index.html";
+    return answer_page(message, settings_.page, rest.empty() ? first : rest);
   }
   const SoupMessageBody *body = soup_server_message_get_request_body(message);
-  (this->*found->handler)(message,
+  (this->*route->handler)(message,
                           { body->data ? body->data : "", static_cast<std::size_t>(body->length) });
 }
 
@@ -124,11 +123,17 @@ StudySite::chair_json() const
          + "]}";
 }
 
+std::string
+StudySite::overview_json() const
+{
+  return study::overview(folder_, active_, phase());
+}
+
 void
 StudySite::tell()
 {
-  events_.send(Events::event("state", state_json())
-               + Events::event("overview", study::overview(folder_, active_, phase())));
+  events_.send(Events::event("state", state_json()));
+  of_experimenter_.send(Events::event("overview", overview_json()));
 }
 
 void
@@ -140,16 +145,21 @@ StudySite::state(SoupServerMessage *message, std::string_view)
 void
 StudySite::overview(SoupServerMessage *message, std::string_view)
 {
-  answer_json(message, study::overview(folder_, active_, phase()));
+  answer_json(message, overview_json());
 }
 
 void
 StudySite::events(SoupServerMessage *message, std::string_view)
 {
-  events_.add(message, "",
-              Events::event("state", state_json())
-                  + Events::event("overview", study::overview(folder_, active_, phase()))
-                  + Events::event("chair", chair_json()));
+  events_.add(message, "", Events::event("state", state_json()));
+}
+
+void
+StudySite::all_events(SoupServerMessage *message, std::string_view)
+{
+  of_experimenter_.add(message, "",
+                       Events::event("overview", overview_json())
+                           + Events::event("chair", chair_json()));
 }
 
 bool
@@ -168,12 +178,12 @@ StudySite::step(SoupServerMessage *message, std::string_view body)
   constexpr std::int64_t kDay = std::int64_t{ 86400 } * 1000;
   const auto response
       = text.object() ? json::integer(text.object(), "response", 0, kDay) : std::nullopt;
-  const std::string name = text_of(text.object(), "step");
+  const std::string name = json::whole_text(text.object(), "step");
   if (!response || name.empty())
     return answer_error(message, 400, "expected step, answer and response, in ms");
   if (active_ == nullptr)
     return answer_error(message, 409, "no participant has begun", "\"state\": " + state_json());
-  const auto event = active_->answer(name, text_of(text.object(), "answer"), *response);
+  const auto event = active_->answer(name, json::whole_text(text.object(), "answer"), *response);
   if (!event)
     return answer_error(message, 409, event.error(), "\"state\": " + state_json());
   if (!add(message, *event))
@@ -186,7 +196,7 @@ void
 StudySite::play(SoupServerMessage *message, std::string_view body)
 {
   const json::ObjectText text(body);
-  const std::string name = text_of(text.object(), "step");
+  const std::string name = json::whole_text(text.object(), "step");
   if (active_ == nullptr || play_ || active_->step().kind != Step::Kind::film
       || active_->step().name != name)
     return answer_error(message, 409, "no such film is to be played now",
@@ -195,13 +205,14 @@ StudySite::play(SoupServerMessage *message, std::string_view body)
   study::Settings settings = active_->settings(session);
   for (const auto &[key, value] : settings_.overrides)
     settings[key] = value;
+  add_defaults(settings, settings_.defaults);
   const auto trace = folder_.next_trace(*active_, session);
   if (!trace)
     return answer_error(message, 507, trace.error());
   Event event("play");
   event.add("step", name)
       .add("film", settings["film"])
-      .add_json("settings", object_json(settings))
+      .add_json("settings", study::object_json(settings))
       .add("trace", *trace)
       .add("program", std::string(PACKAGE_VERSION))
       .add("gstreamer", gstreamer_version());
@@ -232,6 +243,7 @@ StudySite::played(const study::Play &result)
       .add("outcome", std::string(study::name_of(result.outcome)))
       .add("text", result.text)
       .add("chair", result.chair)
+      .add("doubts", study::joined(result.doubts))
       .add("commands", result.timing.commands)
       .add("late", result.timing.late)
       .add("error_p50_ms", result.timing.p50)
@@ -241,7 +253,7 @@ StudySite::played(const study::Play &result)
       .add("frames_dropped", result.frames_dropped);
   over_ = std::move(play_); // which has called this
   if (const auto added = folder_.add(*active_, event); !added)
-    events_.send(Events::event("trouble", json::write_text(added.error())));
+    of_experimenter_.send(Events::event("trouble", json::write_text(added.error())));
   tell();
 }
 
@@ -256,8 +268,8 @@ void
 StudySite::act(SoupServerMessage *message, std::string_view body)
 {
   const json::ObjectText text(body);
-  const std::string act = text_of(text.object(), "act");
-  const std::string name = text_of(text.object(), "participant");
+  const std::string act = json::whole_text(text.object(), "act");
+  const std::string name = json::whole_text(text.object(), "participant");
   const auto refuse = [&](const std::string &why) {
     answer_error(message, 409, why);
   };
@@ -288,6 +300,6 @@ StudySite::act(SoupServerMessage *message, std::string_view body)
   } else {
     return answer_error(message, 400, "expected start, resume, stop, go-on or drop");
   }
-  answer_json(message, study::overview(folder_, active_, phase()));
+  answer_json(message, overview_json());
   tell();
 }

@@ -18,8 +18,10 @@ class StudySite : public Site
 public:
   struct Settings
   {
-    std::string page; ///< folder
+    std::string page;         ///< folder
+    std::string experimenter; ///< begins the paths of the experimenter's page, such as "KEY/"
     bool window = false;
+    study::Settings defaults;  ///< of the user, below the study's
     study::Settings overrides; ///< for all sessions
   };
   StudySite(study::Folder &folder, Settings settings);
@@ -35,15 +37,19 @@ private:
   using Handler = void (StudySite::*)(SoupServerMessage *, std::string_view body);
   struct Route
   {
+    bool of_experimenter;
     const char *path;
     const char *methods;
     Handler handler;
   };
   static const Route kRoutes[];
+  /// The route of a path, whose role's beginning is cut off; null: a file of the page.
+  const Route *find(const std::string &path, bool &of_experimenter, std::string &rest) const;
 
   void state(SoupServerMessage *message, std::string_view body);
   void overview(SoupServerMessage *message, std::string_view body);
   void events(SoupServerMessage *message, std::string_view body);
+  void all_events(SoupServerMessage *message, std::string_view body);
   void step(SoupServerMessage *message, std::string_view body);
   void play(SoupServerMessage *message, std::string_view body);
   void act(SoupServerMessage *message, std::string_view body);
@@ -54,6 +60,7 @@ private:
   void played(const study::Play &result);
   std::string state_json() const;
   std::string chair_json() const;
+  std::string overview_json() const;
   void tell();
 
   study::Folder &folder_;
@@ -62,6 +69,7 @@ private:
   std::unique_ptr<FilmPlay> play_;
   std::unique_ptr<FilmPlay> over_; ///< the play that ended last
   std::string step_played_;        ///< the step of the last play
-  Events events_;
+  Events events_; ///< of the participant's page: no condition, nothing of the chair
+  Events of_experimenter_;
   guint tick_;
 };

@@ -10,6 +10,18 @@
 
 namespace {
 
+/// Takes the same time wherever they differ.
+bool
+equal(const std::string &a, const std::string &b)
+{
+  unsigned difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); i++)
+    difference |= static_cast<unsigned>(a[i]) ^ static_cast<unsigned>(b[i]);
+  return difference == 0;
+}
+
+} // namespace
+
 std::string
 random_token()
 {
@@ -25,20 +37,8 @@ random_token()
   return text;
 }
 
-/// Takes the same time wherever they differ.
-bool
-equal(const std::string &a, const std::string &b)
-{
-  unsigned difference = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < a.size() && i < b.size(); i++)
-    difference |= static_cast<unsigned>(a[i]) ^ static_cast<unsigned>(b[i]);
-  return difference == 0;
-}
-
-} // namespace
-
-Guard::Guard(guint16 port, std::string program)
-    : port_(port), token_(random_token()), program_(std::move(program))
+Guard::Guard(guint16 port, std::string token, std::string program)
+    : port_(port), token_(std::move(token)), program_(std::move(program))
 {
 }
 

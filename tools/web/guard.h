@@ -6,13 +6,16 @@
 #include <optional>
 #include <string>
 
+/// A secret of 32 hexadecimal digits. Throws std::runtime_error.
+std::string random_token();
+
 /// Admits requests, and limits them. The browser of the user is trusted with the token; other pages
 /// in it and other programs are not.
 class Guard
 {
 public:
-  /// Makes the token. `program` printed the address.
-  Guard(guint16 port, std::string program);
+  /// `program` printed the address.
+  Guard(guint16 port, std::string token, std::string program);
 
   /// "http://127.0.0.1:PORT/TOKEN/"
   std::string address() const;

@@ -88,7 +88,9 @@ Server::Server(const Settings &settings, Site &site)
 {
   try {
     connections_ = std::make_unique<Connections>(server_, settings.port, settings.usual);
-    guard_ = std::make_unique<Guard>(connections_->port(), settings.program);
+    guard_ = std::make_unique<Guard>(connections_->port(),
+                                     settings.token.empty() ? random_token() : settings.token,
+                                     settings.program);
   } catch (...) {
     g_object_unref(server_);
     throw;

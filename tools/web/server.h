@@ -25,6 +25,7 @@ public:
     guint16 usual;              ///< likewise
     const char *program;        ///< which printed the address, for messages
     bool inline_styles = false; ///< scripts of others set styles in the page
+    std::string token; ///< of an earlier process, whose pages may still be open; empty: a new one
   };
   /// Throws std::runtime_error.
   Server(const Settings &settings, Site &site);

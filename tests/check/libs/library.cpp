@@ -2,6 +2,7 @@
 //
 // Indexes of libraries, and films by their content.
 #include "library/library.h"
+#include "library/heard.h"
 #include "library/track_index.h"
 #include "library/web.h"
 #include "support/temporary_file.h"
@@ -90,6 +91,40 @@ GST_START_TEST(test_addresses)
 }
 GST_END_TEST;
 
+/// A cache of a server's entries keeps to its bytes: what was used last, and what is in use.
+GST_START_TEST(test_heard_cache)
+{
+  const TemporaryFolder folder;
+  const auto now = std::filesystem::file_time_type::clock::now();
+  for (int i = 0; i < 6; i++)
+    std::filesystem::last_write_time(folder.file(std::to_string(i).c_str(), std::string(1000, 'x')),
+                                     now - std::chrono::hours(i));
+  library::remove_unused(folder.path, { folder.file("5") }, 3500);
+  for (int i = 0; i < 6; i++)
+    fail_unless(std::filesystem::exists(folder.file(std::to_string(i).c_str()))
+                    == (i == 0 || i == 1 || i == 5),
+                "%d", i);
+  library::remove_unused(folder.path, { folder.file("5"), folder.file("0") }, 0);
+  fail_unless(std::filesystem::exists(folder.file("5")) && std::filesystem::exists(folder.file("0"))
+              && !std::filesystem::exists(folder.file("1")));
+}
+GST_END_TEST;
+
+/// A locked screen does not wait for a catalogue.
+GST_START_TEST(test_heard_stop)
+{
+  const TemporaryFolder folder;
+  for (const char *name : { "a.heard", "b.heard" })
+    folder.file(name, "torn");
+  std::vector<std::string> complaints;
+  fail_unless(library::heard_entries(folder.path, complaints).empty() && complaints.size() == 2);
+  complaints.clear();
+  g_autoptr(GCancellable) stop = g_cancellable_new();
+  g_cancellable_cancel(stop);
+  fail_unless(library::heard_entries(folder.path, complaints, stop).empty() && complaints.empty());
+}
+GST_END_TEST;
+
 static Suite *
 library_suite()
 {
@@ -99,6 +134,8 @@ library_suite()
   tcase_add_test(tests, test_index);
   tcase_add_test(tests, test_hostile);
   tcase_add_test(tests, test_addresses);
+  tcase_add_test(tests, test_heard_cache);
+  tcase_add_test(tests, test_heard_stop);
   suite_add_tcase(suite, tests);
   return suite;
 }

@@ -6,6 +6,7 @@
 const stage = document.getElementById('stage');
 const trouble = document.getElementById('trouble');
 const kRetry = 1000; // ms
+const kLongest = 10000; // characters of a text, which the server has room for
 
 const wait = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
@@ -30,8 +31,8 @@ function say(text) {
   trouble.hidden = !text;
 }
 
-/** Sends until the server has answered. */
-async function send(path, message) {
+/** Sends until the server has answered, and resolves with the next state: this one, with the reason said, if it refuses the message. */
+async function send(path, message, state) {
   for (;;) {
     try {
       const answer = await fetch(path, { method: 'POST', body: JSON.stringify(message) });
@@ -40,9 +41,10 @@ async function send(path, message) {
         say('');
         return body;
       }
-      if (body.state) // the step was another one by now
-        return body.state;
-      say(`Your answer is not stored yet: ${body.error}. Please call the experimenter.`);
+      const isNext = body.state && keyOf(body.state) !== keyOf(state); // it was stored before
+      say(isNext ? '' : `Your answer is not stored: ${body.error}. Please call the experimenter.`);
+      if (body.state || answer.status === 400 || answer.status === 413)
+        return body.state ?? state;
     } catch {
       say('The study’s computer does not answer. Please call the experimenter; your answer is kept in this page.');
     }
@@ -76,7 +78,14 @@ const kQuestions = {
     answer: (data) => String(data.response.answer + 1),
   },
   text: {
-    trial: (question) => ({ type: jsPsychSurveyText, questions: [{ prompt: line(question.text), name: 'answer', rows: 8, columns: 60 }] }),
+    trial: (question, given = '') => ({
+      type: jsPsychSurveyText, questions: [{ prompt: line(question.text), name: 'answer', rows: 8, columns: 60 }],
+      on_load: () => {
+        const field = stage.querySelector('textarea');
+        field.maxLength = kLongest;
+        field.value = given;
+      },
+    }),
     answer: (data) => data.response.answer,
   },
 };
@@ -104,7 +113,7 @@ async function rest(state) {
     await wait(Math.min(left, 200));
   }
   await run(button('<h1>Break</h1><p>Go on when you are ready.</p>', 'Go on'));
-  return send('step', { step: state.step.name, answer: '', response: 0 });
+  return send('step', { step: state.step.name, answer: '', response: 0 }, state);
 }
 
 async function film(state) {
@@ -112,7 +121,7 @@ async function film(state) {
   const title = step.session === 0 ? 'Practice' : `Film ${step.session} of ${state.sessions}`;
   if (step.phase === 'ready') {
     await run(button(`<h1>${title}</h1><p>Lean back and put on the headset. The film begins when you press the button.</p>`, 'Begin'));
-    return send('play', { step: step.name });
+    return send('play', { step: step.name }, state);
   }
   stage.innerHTML = step.phase === 'playing' ? '<p class="playing">The film plays.</p>'
     : '<h1>The film ended early</h1><p>Please call the experimenter.</p>';
@@ -125,7 +134,7 @@ async function show(state) {
     stage.innerHTML = '<h1>Welcome</h1><p>Please wait until the experimenter begins.</p>';
     return changed(keyOf(state));
   }
-  const reply = (answer, data) => send('step', { step: step.name, answer, response: Math.round(data.rt ?? 0) });
+  const reply = (answer, data) => send('step', { step: step.name, answer, response: Math.round(data.rt ?? 0) }, state);
   switch (step.kind) {
     case 'consent':
       return reply(state.version, await run(button(`<h1>Consent</h1>${html(state.text)}<p class="small">Version ${line(state.version)}</p>`, 'I agree')));
@@ -135,8 +144,13 @@ async function show(state) {
       return film(state);
     case 'question': {
       const kind = kQuestions[step.question.kind];
-      const data = await run(kind.trial(step.question));
-      return reply(kind.answer(data), data);
+      for (let given; ;) {
+        const data = await run(kind.trial(step.question, given));
+        given = kind.answer(data);
+        const next = await reply(given, data);
+        if (keyOf(next) !== keyOf(state)) // else the answer, which was refused, is in the page again
+          return next;
+      }
     }
     case 'rest':
       return rest(state);

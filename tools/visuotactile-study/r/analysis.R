@@ -12,7 +12,7 @@ afex_options(type = 3, correction_aov = "GG", es_aov = "ges", include_aov = FALS
 
 # Means and standard errors over people, in each combination of levels.
 means_of <- function(data, factors) {
-  groups <- split(data, data[factors], drop = TRUE)
+  groups <- if (length(factors)) split(data, data[factors], drop = TRUE) else list(data)
   rows <- lapply(groups, function(cell) {
     of_person <- tapply(cell$value, cell$participant, mean)
     cbind(cell[1, factors, drop = FALSE], n = length(of_person), mean = mean(of_person), se = sd(of_person) / sqrt(length(of_person)))
@@ -39,8 +39,11 @@ analyze <- function(question, data, within_all, between_all, compare = TRUE) {
   if (is.character(model))
     return(c(result, why = model))
   table <- as.data.frame(suppressWarnings(anova(model, es = "ges", correction = "GG")))
+  # Those who answered under each condition: others are not in the model.
+  cells <- table(data$participant, if (length(within)) interaction(data[within], drop = TRUE) else rep(1, nrow(data)))
+  n <- sum(rowSums(cells > 0) == ncol(cells))
   # The correction leaves the ratio of the degrees of freedom, and so the partial eta squared.
-  result$anova <- data.frame(question = question, effect = rownames(table), df1 = table[["num Df"]], df2 = table[["den Df"]], F = table[["F"]],
+  result$anova <- data.frame(question = question, effect = rownames(table), n = n, df1 = table[["num Df"]], df2 = table[["den Df"]], F = table[["F"]],
                              p = table[["Pr(>F)"]], ges = table[["ges"]], pes = table[["F"]] * table[["num Df"]] / (table[["F"]] * table[["num Df"]] + table[["den Df"]]))
   comparisons <- lapply(if (compare) c(within, between), function(name) {
     if (nlevels(data[[name]]) < 3)

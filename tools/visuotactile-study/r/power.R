@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# How many people a study needs: simulated studies of each size, analyzed as afex does (type 3, univariate), without packages.
+# How many people a study needs: simulated studies of each size, analyzed as afex does (type 3, corrected by Greenhouse and Geisser), without packages.
 # Usage: Rscript power.R EFFECT SPREAD CORRELATION POWER STUDIES SEED FACTOR:LEVELS:within|between:effect|none...
 
 options(error = quote(quit(status = 1))) # the last line is the error
@@ -43,7 +43,6 @@ p_of_study <- function(people) {
     y <- rowMeans(noise) + means[level]
     cell <- factor(group)
     full <- lm.fit(model.matrix(~ cell), y)
-    own <- contr.helmert(groups)
     # Sum of squares of the factor among the groups' means, type 3.
     design <- model.matrix(~ C(factor(level), contr.sum))
     rest <- sum(full$residuals^2) / (people - groups)
@@ -53,12 +52,14 @@ p_of_study <- function(people) {
   y <- noise + matrix(means[level_of_cell], people, cells, byrow = TRUE)
   scores <- y %*% contrast
   middle <- rowsum(scores, group) / as.vector(table(group))
-  rest <- sum((scores - middle[group, , drop = FALSE])^2)
+  covariance <- crossprod(scores - middle[group, , drop = FALSE])
+  rest <- sum(diag(covariance))
   q <- ncol(scores)
   # Type 3: groups count equally.
   effect_ss <- groups^2 / sum(1 / table(group)) * sum(colMeans(middle)^2)
   df2 <- q * (people - groups)
-  pf(effect_ss / q / (rest / df2), q, df2, lower.tail = FALSE)
+  epsilon <- rest^2 / (q * sum(covariance^2))
+  pf(effect_ss / q / (rest / df2), epsilon * q, epsilon * df2, lower.tail = FALSE)
 }
 power_of <- function(people) mean(replicate(studies, p_of_study(people)) < 0.05)
 
@@ -78,9 +79,12 @@ if (power < wanted) {
   cat(sprintf("more than %d people are needed\n", most))
 } else {
   # Back to the smallest that suffices.
-  while (people - step >= max(2 * groups, 3) && (lower <- power_of(people - step)) >= wanted) {
+  while (people - step >= max(2 * groups, 3)) {
+    lower <- power_of(people - step)
+    cat(sprintf("%4d people: power %.3f\n", people - step, lower))
+    if (lower < wanted)
+      break
     people <- people - step
-    cat(sprintf("%4d people: power %.3f\n", people, lower))
   }
   row <- if (cells %% 2 == 0 || cells == 1) cells else 2 * cells
   whole <- ceiling(people / (row * groups)) * row * groups

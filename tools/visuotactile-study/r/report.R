@@ -22,13 +22,20 @@ values <- entries("values")$label
 within_all <- entries("within")$name
 between_all <- entries("between")$name
 
-answers <- read.csv(path("answers.csv"), colClasses = "character", check.names = FALSE)
+answers <- read.csv(path("answers.csv"), colClasses = "character", check.names = FALSE, na.strings = character())
 done <- answers[answers$state == "done", ]
 sessions <- done[!(done$session %in% c("practice", "end")), ]
 ratings <- sessions[sessions$kind != "text", ]
 ratings$value <- as.numeric(ratings$answer)
-for (name in c(within_all, between_all))
+for (name in c(within_all, between_all)) {
+  gone <- if (is.null(ratings[[name]])) rep(TRUE, nrow(ratings)) else !(ratings[[name]] %in% dictionary$name[dictionary$what == "level" & dictionary$of == name])
+  if (any(gone)) {
+    message("expected levels of '", name, "' that study.ini has, got '", paste(unique(ratings[[name]][gone]), collapse = "', '"), "' of ", paste(unique(ratings$participant[gone]), collapse = " "),
+            ", who began with another study.ini; put that one back")
+    quit(status = 1)
+  }
   ratings[[name]] <- factor(ratings[[name]], levels = dictionary$name[dictionary$what == "level" & dictionary$of == name])
+}
 marked <- unique(sessions[sessions$marks != "", c("participant", "session", "marks")])
 used <- if (with_marked) ratings else ratings[!(ratings$participant %in% marked$participant), ]
 people <- length(unique(used$participant))
@@ -38,6 +45,7 @@ if (people < 2) {
 }
 # In the order of the study.
 questions <- intersect(entries("question")$name, unique(used$question))
+gone <- setdiff(unique(used$question), questions)
 
 p_text <- function(p) ifelse(is.na(p), "", ifelse(p < 0.001, "< .001", sub("^0", "", sprintf("%.3f", p))))
 number <- function(x, digits = 2) ifelse(is.na(x), "", formatC(x, digits = digits, format = "f"))
@@ -51,8 +59,10 @@ if (!is.null(anovas)) write.csv(anovas, path("anova.csv"), row.names = FALSE)
 write.csv(means, path("means.csv"), row.names = FALSE)
 
 # A panel for each question, a group of bars for each level of the last factor, as in Fig. 7 of the paper.
+# Twelve panels a page.
+pages <- split(questions, (seq_along(questions) - 1) %/% 12)
 shades <- c("#c3cad3", "#27507d", "#e08a1e", "#5a9a68", "#8a5a9a", "#444444")
-draw <- function() {
+draw <- function(questions) {
   columns <- min(3, length(questions))
   par(mfrow = c(ceiling(length(questions) / columns), columns), mar = c(3.6, 3.6, 2.4, 0.6), mgp = c(2.4, 0.9, 0), las = 1, cex = 0.8)
   factors <- c(within_all, between_all)
@@ -64,29 +74,33 @@ draw <- function() {
     bars <- unique(cells$bar)
     groups <- if (is.null(along)) "" else levels(droplevels(cells[[along]]))
     pick <- function(what) sapply(groups, function(group) sapply(bars, function(bar) {
-      found <- cells[[what]][cells$bar == bar & (is.null(along) | cells[[along]] == group)]
+      found <- cells[[what]][cells$bar == bar & (if (is.null(along)) TRUE else cells[[along]] == group)]
       if (length(found)) found[1] else NA
     }))
     height <- matrix(pick("mean"), nrow = length(bars))
     error <- matrix(pick("se"), nrow = length(bars))
     names <- vapply(groups, function(group) gsub(" ", "\n", label_of("level", group, if (is.null(along)) "" else along)), "")
-    top <- max(100 * (max(means$mean, na.rm = TRUE) > 10), height + error, na.rm = TRUE)
+    scale <- as.numeric(strsplit(label_of("scale", question), " ")[[1]])
+    lower <- min(0, scale[1])
+    top <- max(scale[2], height + error, na.rm = TRUE)
     all_bars <- unique(vapply(seq_len(nrow(means)), function(i) paste(vapply(others, function(name) label_of("level", as.character(means[[name]][i]), name), ""), collapse = ", "), ""))
     fills <- shades[(match(bars, all_bars) - 1) %% length(shades) + 1]
-    at <- barplot(height, beside = TRUE, names.arg = names, ylim = c(0, top * 1.18), col = fills, border = NA, ylab = values, main = question)
+    at <- barplot(height, beside = TRUE, names.arg = names, ylim = c(lower, lower + (top - lower) * 1.18), col = fills, border = NA, ylab = values, main = question)
     arrows(at, height - error, at, height + error, angle = 90, code = 3, length = 0.03)
     if (any(nzchar(bars)))
       legend("top", legend = bars, fill = fills, border = NA, bty = "n", horiz = TRUE, cex = 0.85)
   }
 }
-figure_height <- 2.7 * ceiling(length(questions) / min(3, length(questions)))
-png(path("figure.png"), width = 9, height = figure_height, units = "in", res = 130, type = "cairo")
-draw()
-invisible(dev.off())
+figures <- sprintf("figure%s.png", c("", sprintf("-%d", seq_along(pages)[-1])))
+for (i in seq_along(pages)) {
+  png(path(figures[i]), width = 9, height = 2.7 * ceiling(length(pages[[i]]) / min(3, length(pages[[i]]))), units = "in", res = 130, type = "cairo")
+  draw(pages[[i]])
+  invisible(dev.off())
+}
 
-anova_table <- function(rows) data.frame(Question = rows$question, Effect = rows$effect, F = sprintf("F(%s, %s) = %s", sub("\\.00$", "", number(rows$df1)), sub("\\.00$", "", number(rows$df2)), number(rows$F)),
+anova_table <- function(rows) data.frame(Question = rows$question, Effect = rows$effect, n = rows$n, F = sprintf("F(%s, %s) = %s", sub("\\.00$", "", number(rows$df1)), sub("\\.00$", "", number(rows$df2)), number(rows$F)),
                                          p = p_text(rows$p), "gen. eta2" = number(rows$ges, 3), "part. eta2" = number(rows$pes, 3), check.names = FALSE)
-means_table <- data.frame(Question = means$question, lapply(means[c(within_all, between_all)], as.character), n = means$n, Mean = number(means$mean), SE = number(means$se), check.names = FALSE)
+means_table <- data.frame(Question = means$question, means[c(within_all, between_all)], n = means$n, Mean = number(means$mean), SE = number(means$se), check.names = FALSE)
 
 # Published results beside those of this study. An effect is a factor, or FACTOR=LEVEL for a mean.
 here <- function(question, effect, statistic) {
@@ -120,6 +134,9 @@ facts <- c(
   if (nrow(with_commands) > 0) sprintf("Commands of the chair: %d in %d sessions, timing error %s ms (median of sessions), p99 %s ms at most, %s ms at most.",
     sum(with_commands$commands), nrow(with_commands), number(median(with_commands$error_p50_ms)), number(max(with_commands$error_p99_ms)), number(max(with_commands$error_max_ms))),
   if (any(timing$frames > 0, na.rm = TRUE)) sprintf("Frames: %d shown, %d dropped.", sum(timing$frames, na.rm = TRUE), sum(timing$frames_dropped, na.rm = TRUE)),
+  if (nrow(unique(done["study"])) > 1) sprintf("study.ini was changed between participants: %s.",
+    paste(vapply(unique(done$study), function(one) sprintf("%s with %s", paste(unique(done$participant[done$study == one]), collapse = " "), one), ""), collapse = "; ")),
+  if (length(gone)) sprintf("Questions that study.ini no longer has are left out: %s.", paste(gone, collapse = ", ")),
   sprintf("Programs: visuotactile %s, %s; study %s; consent %s.", paste(unique(versions$program), collapse = ", "), paste(unique(versions$gstreamer), collapse = ", "), paste(unique(versions$study), collapse = ", "), paste(unique(versions$consent), collapse = ", ")),
   sprintf("Analysis: %s, afex %s, emmeans %s. Repeated-measures ANOVA, type 3, degrees of freedom by Greenhouse and Geisser; generalized and partial eta squared; comparisons by Holm.", R.version.string, packageVersion("afex"), packageVersion("emmeans")))
 unanalyzed <- unlist(lapply(results, function(one) if (!is.null(one$why)) sprintf("%s: %s", one$question, one$why)))
@@ -140,7 +157,7 @@ base64 <- function(bytes) {
   if (pad > 0) text[(length(text) - pad + 1):length(text)] <- "="
   paste(text, collapse = "")
 }
-figure <- readBin(path("figure.png"), "raw", file.size(path("figure.png")))
+images <- vapply(path(figures), function(file) sprintf("<img alt=\"%s by condition\" src=\"data:image/png;base64,%s\">", escape(values), base64(readBin(file, "raw", file.size(file)))), "")
 comparison_table <- if (!is.null(comparisons)) data.frame(Question = comparisons$question, Factor = comparisons$factor, Levels = comparisons$contrast, Difference = number(comparisons$difference), SE = number(comparisons$se),
   t = sprintf("t(%s) = %s", sub("\\.00$", "", number(comparisons$df)), number(comparisons$t)), p = p_text(comparisons$p))
 questions_table <- data.frame(Question = questions, Words = vapply(questions, function(name) label_of("question", name), ""))
@@ -148,7 +165,7 @@ writeLines(c(
   "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\">", sprintf("<title>%s</title>", escape(title)),
   "<style>body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}table{border-collapse:collapse;font-size:.9em}th,td{text-align:left;padding:.15rem .9rem .15rem 0;border-bottom:1px solid #ddd}img{max-width:100%}</style>",
   sprintf("<h1>%s</h1>", escape(title)), paste0("<p>", escape(facts), "</p>"),
-  section("Means and standard errors", sprintf("<img alt=\"%s by condition\" src=\"data:image/png;base64,%s\">", escape(values), base64(figure))),
+  section("Means and standard errors", images),
   section("Questions", html_table(questions_table)),
   section("Published results beside", html_table(beside)),
   section("Analysis of variance", c(if (!is.null(anovas)) html_table(anova_table(anovas)), if (length(unanalyzed)) paste0("<p>Not analyzed: ", escape(unanalyzed), "</p>"))),
@@ -179,9 +196,11 @@ text_table <- function(data) {
   apply(text, 1, function(row) paste(sprintf("%-*s", widths, row), collapse = "  "))
 }
 lines_page(title, unlist(lapply(facts, function(fact) c(strwrap(fact, 100), ""))))
-par(oma = c(0, 0, 2, 0))
-draw()
-mtext("Means and standard errors", outer = TRUE, font = 2)
+for (page in pages) {
+  par(oma = c(0, 0, 2, 0))
+  draw(page)
+  mtext("Means and standard errors", outer = TRUE, font = 2)
+}
 if (!is.null(beside)) lines_page("Published results beside", text_table(beside))
 if (!is.null(anovas)) lines_page("Analysis of variance", text_table(anova_table(anovas)))
 if (!is.null(comparison_table)) lines_page("Comparisons of levels", text_table(comparison_table))

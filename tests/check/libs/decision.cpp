@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// When places that searches find are believed: scores and times are set.
+#include "listen/decision.h"
+
+#include <array>
+#include <vector>
+
+#include "support/unwrap.h"
+
+using listen::Candidate;
+
+namespace {
+
+constexpr std::int64_t kSecond = 250;
+constexpr std::array kRates{ 1.0, 25.0 / 24 };
+constexpr std::array kOthers{ 1.0, 24.0 / 25 };
+constexpr Candidate kHere{ .film = 1, .step = 1000, .score = 6 };
+constexpr Candidate kThere{ .film = 2, .step = 500, .score = 6 };
+constexpr Candidate kChance{ .film = 3, .step = 9, .score = 4 };
+
+struct Searches
+{
+  listen::Decision decision{};
+  std::int64_t now = 0;
+
+  /// Half a second later.
+  bool finds(const std::vector<Candidate> &found, std::span<const double> rates = kRates)
+  {
+    now += kSecond / 2;
+    return decision.take(found, rates, now).has_value();
+  }
+};
+
+} // namespace
+
+GST_START_TEST(test_sure)
+{
+  Searches searches;
+  fail_if(searches.finds({}) || searches.finds({ kChance }) || searches.finds({ kHere, kThere }));
+  Candidate high = kHere;
+  high.score = 7.5;
+  fail_unless(searches.finds({ kChance, high }));
+  fail_if(searches.finds({ kThere, high }), "another place is as good");
+}
+GST_END_TEST;
+
+/// All searches of 1.5 s.
+GST_START_TEST(test_likely)
+{
+  Searches searches;
+  int count = 1;
+  while (!searches.finds({ kHere, kChance }))
+    count++;
+  fail_unless(count == 4, "%d", count);
+}
+GST_END_TEST;
+
+/// Two sightings of chance, however far apart.
+GST_START_TEST(test_disagreement)
+{
+  const std::vector<std::vector<Candidate>> between{
+    {}, { kChance }, { kThere }, { kHere, kThere }
+  };
+  for (const auto &found : between) {
+    Searches searches;
+    fail_if(searches.finds({ kHere }));
+    fail_if(searches.finds(found));
+    searches.now += 60 * kSecond;
+    fail_if(searches.finds({ kHere }), "a minute later");
+  }
+  Searches searches;
+  fail_if(searches.finds({ kHere }));
+  searches.decision.forget();
+  searches.now += 60 * kSecond;
+  fail_if(searches.finds({ kHere }), "of other sound");
+}
+GST_END_TEST;
+
+/// Each second search alone looks for a film at television's speed.
+GST_START_TEST(test_rates)
+{
+  Candidate fast = kHere;
+  fast.rate = kRates[1];
+  Searches searches;
+  for (int i = 0; i < 2; i++)
+    fail_if(searches.finds({ fast }, kRates) || searches.finds({ kChance }, kOthers));
+  fail_unless(searches.finds({ fast }, kRates));
+}
+GST_END_TEST;
+
+static Suite *
+decision_suite()
+{
+  Suite *suite = suite_create("decision");
+  TCase *tcase = tcase_create("general");
+  tcase_add_test(tcase, test_sure);
+  tcase_add_test(tcase, test_likely);
+  tcase_add_test(tcase, test_disagreement);
+  tcase_add_test(tcase, test_rates);
+  suite_add_tcase(suite, tcase);
+  return suite;
+}
+
+GST_CHECK_MAIN(decision);
