@@ -206,7 +206,7 @@ GST_START_TEST(test_silent_cue_with_a_frequency)
   const std::string silent = "WEBVTT\n\n00:00.000 --> 00:01.000\n0\n50 Hz\n";
   const std::string file = silent + "\n00:01.000 --> 00:02.000\n80\n";
   assert_text(text_of(file).with(scale(*read_webvtt(file), 0.5F), 0s),
-              silent + "\n00:01.000 --> 00:02.000\n40\n");
+              silent + "\n00:01.000 --> 00:02.000\n 40\n");
 }
 GST_END_TEST;
 
