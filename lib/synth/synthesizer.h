@@ -48,9 +48,9 @@ public:
   /// after half a ramp.
   void change(std::size_t channel, float amplitude);
 
-  /// The channel's sine goes on at this frequency, in Hz, with the equalizer's gain there; 0: at its
-  /// own. Other carriers stay as they are: their harmonics would go beyond kHighest, and a loop has no
-  /// frequency.
+  /// The channel's sine goes on at this frequency, in Hz, with the equalizer's gain there; 0: at
+  /// its own. Other carriers stay as they are: their harmonics would go beyond kHighest, and a
+  /// loop has no frequency.
   void tune(std::size_t channel, double frequency);
 
   /// The next vibration begins softly: its amplitude is limited by a line from zero to full scale
@@ -80,7 +80,7 @@ private:
     std::uint64_t advance; ///< of a sample
     double own_advance;    ///< in rounds
     double tuned = 0;      ///< Hz; 0: own
-    float level = 0;       ///< as change() was told, [0, 1]
+    float level = 0;       ///< of change(), [0, 1]
     float gain;            ///< at the frequency
     float settled = 0;     ///< amplitude without the ramps
     float target = 0;      ///< amplitude after all ramps

@@ -44,7 +44,7 @@ gst_tactile_meta_free(GstMeta *meta, GstBuffer *buffer)
   g_clear_pointer(&self->levels, g_free);
 }
 
-/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level, and the
+/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level, the
  * frequency of the last one that has any. */
 static GstTactileMeta *
 gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,

@@ -40,8 +40,8 @@ public:
   tl::expected<void, FormatError> add(std::size_t channel, std::span<const Point> points);
 
   /// Sets the frequency from one point to another, whose `level` is one in Hz; 0: none. It is
-  /// linear between them, in steps of 20 ms. Later calls win. Fails beyond Track::kMaxEntries steps of
-  /// all calls.
+  /// linear between them, in steps of 20 ms. Later calls win. Fails beyond Track::kMaxEntries steps
+  /// of all calls.
   tl::expected<void, FormatError> set_frequency(const Point &from, const Point &to);
 
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
