@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gstsaliencytactile.h"
 
+#include <gst/tactile/tactile.h>
+
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
+  gst_tactile_meta_get_info(); // for maps of other processes
   return GST_ELEMENT_REGISTER(saliencytactile, plugin);
 }
 

@@ -2,9 +2,12 @@
 #include "gsttactilesynth.h"
 #include "gsttactoraudiosink.h"
 
+#include <gst/tactile/tactile.h>
+
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
+  gst_tactile_meta_get_info(); // for maps of other processes
   return GST_ELEMENT_REGISTER(tactilesynth, plugin)
          && GST_ELEMENT_REGISTER(tactoraudiosink, plugin);
 }

@@ -149,6 +149,7 @@ read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
   }
   std::copy(levels, levels + count, map.levels.begin());
   g_free(levels);
+  map.frequency = gst_buffer_get_tactile_frequency(buffer);
   return TRUE;
 }
 

@@ -2,6 +2,8 @@
 #include "gstvisuotactiledecoder.h"
 #include "gstvisuotactilesink.h"
 
+#include <gst/tactile/tactile.h>
+
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
@@ -9,6 +11,7 @@ plugin_init(GstPlugin *plugin)
   gst_plugin_add_dependency_simple(
       plugin, "XDG_CONFIG_HOME/visuotactile:HOME/.config/visuotactile:VISUOTACTILE_ENABLED",
       nullptr, "chair.conf", GST_PLUGIN_DEPENDENCY_FLAG_NONE);
+  gst_tactile_meta_get_info(); // for maps of other processes
   bool registered = GST_ELEMENT_REGISTER(visuotactilesink, plugin);
   registered |= GST_ELEMENT_REGISTER(visuotactiledecoder, plugin);
   return registered;

@@ -121,6 +121,7 @@ push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt)
     return running_time::to_position(priv->segment, time);
   };
   GstBuffer *buffer = gst_tactile_map_buffer_new(felt.levels.data(), felt.levels.size());
+  gst_buffer_set_tactile_frequency(buffer, felt.frequency);
   GST_BUFFER_PTS(buffer) = position(piece.begin);
   GST_BUFFER_DURATION(buffer) = position(piece.end) - GST_BUFFER_PTS(buffer);
   if (std::exchange(priv->sounded, sounds) || sounds)
@@ -139,6 +140,7 @@ read_map(GstSoundJoin *self, GstBuffer *buffer)
     return std::nullopt;
   TactileMap map(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
   std::copy_n(levels, count, map.levels.begin());
+  map.frequency = gst_buffer_get_tactile_frequency(buffer);
   g_free(levels);
   return map;
 }

@@ -93,7 +93,8 @@ Carriers::voices(int channels) const
     voices.push_back({ .wave = carrier.wave,
                        .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
                        .gain = static_cast<float>(entry_of(gains, i) * tuning.gain * carrier.peak),
-                       .frequency = sample ? sample->frequency : frequency });
+                       .frequency = waveform == Waveform::sine ? frequency : 0,
+                       .equalizer = tuning.equalizer });
   }
   return voices;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <numbers>
 #include <utility>
@@ -99,6 +100,20 @@ interpolated(const Wave &wave, std::size_t times)
 }
 
 } // namespace
+
+/// That of the analog prototypes: at kLeastRate and more, the filters differ from them by less than
+/// can be felt.
+double
+gain_at(std::span<const EqualizerBand> bands, double frequency)
+{
+  std::complex<double> gain = 1;
+  for (const EqualizerBand &band : bands) {
+    const double a = std::pow(10, band.gain / 40);
+    const std::complex<double> s(0, frequency / band.frequency);
+    gain *= (s * s + s * a / band.q + 1.0) / (s * s + s / (a * band.q) + 1.0);
+  }
+  return std::abs(gain);
+}
 
 Equalized
 equalized(const std::shared_ptr<const Wave> &wave, std::span<const EqualizerBand> bands)

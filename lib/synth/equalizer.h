@@ -24,6 +24,9 @@ struct EqualizerBand
   auto operator<=>(const EqualizerBand &) const = default;
 };
 
+/// The factor by which filters in series change a sine of a frequency, in Hz.
+double gain_at(std::span<const EqualizerBand> bands, double frequency);
+
 /// A carrier of full scale, and the factor by which it is less or more.
 struct Equalized
 {

@@ -11,7 +11,7 @@ Play::Play(int rate, std::vector<Voice> voices, const tactor::PlannerSettings &s
            const std::vector<tactor::MotorParameters> &motors)
     : voices_(std::move(voices)), planner_(static_cast<int>(voices_.size()), settings, motors),
       queue_(static_cast<int>(voices_.size())), synthesizer_(rate, {}, 1), grid_{ .rate = rate },
-      pooled_(voices_.size())
+      pooled_(voices_.size()), played_(voices_.size())
 {
   synthesizer_ = make_synthesizer();
   for (const tactor::MotorParameters &motor : motors)
@@ -88,6 +88,7 @@ Play::begin(Time time)
   has_begun_ = true;
   synthesizer_ = make_synthesizer();
   pitch_ = 0;
+  std::ranges::fill(played_, Time::min());
   synthesizer_.arm(grid_.rate * soft_start_ / Time(std::chrono::seconds(1)));
 }
 
@@ -159,6 +160,7 @@ Play::change(const tactor::Command &command)
 {
   const double amplitude = mute_ ? 0 : command.volts / planner_.settings().volts_max;
   const auto channel = static_cast<std::size_t>(command.tactor);
+  played_[channel] = command.effect;
   if (amplitude > 0)
     synthesizer_.tune(channel, pitch_at(command.effect));
   synthesizer_.change(channel, static_cast<float>(amplitude));
@@ -175,6 +177,19 @@ Play::pitch_at(Time time) const
   return pitch;
 }
 
+/// The first of the pitches comes due. A channel that has begun early for a later map keeps that of
+/// the later one.
+void
+Play::take_pitch()
+{
+  const Pitch due = pitches_.front();
+  pitches_.pop_front();
+  pitch_ = due.frequency;
+  for (std::size_t i = 0; i < played_.size(); i++)
+    if (played_[i] <= due.time)
+      synthesizer_.tune(i, pitch_);
+}
+
 bool
 Play::render(std::span<float> samples)
 {
@@ -185,10 +200,7 @@ Play::render(std::span<float> samples)
     if (!pitches_.empty()) {
       const std::int64_t next = grid_.index_of(pitches_.front().time);
       if (next <= position_) {
-        pitch_ = pitches_.front().frequency;
-        pitches_.pop_front();
-        for (std::size_t i = 0; i < channels; i++)
-          synthesizer_.tune(i, pitch_);
+        take_pitch();
         continue;
       }
       count = std::min(count, next - position_);
@@ -223,6 +235,8 @@ Play::skip(std::int64_t count)
 {
   synthesizer_.skip(count);
   position_ += count;
+  while (!pitches_.empty() && grid_.index_of(pitches_.front().time) <= position_)
+    take_pitch();
 }
 
 } // namespace synth

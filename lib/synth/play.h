@@ -74,6 +74,7 @@ private:
   std::optional<std::int64_t> next_change() const;
   void change(const tactor::Command &command);
   double pitch_at(Time time) const;
+  void take_pitch();
 
   std::vector<Voice> voices_;
   tactor::CommandPlanner planner_;
@@ -96,6 +97,7 @@ private:
   };
   std::deque<Pitch> pitches_{}; ///< of maps to come
   double pitch_ = 0;            ///< of the maps before them
+  std::vector<Time> played_;    ///< the map of each channel's last command
 };
 
 } // namespace synth

@@ -39,10 +39,13 @@ Synthesizer::Synthesizer(int rate, std::vector<Voice> voices, int ramp) : amplit
 {
   for (Voice &voice : voices) {
     const double advance = voice.wave->frequency / rate;
+    const double phase = voice.phase;
+    const float gain = voice.gain;
     channels_.push_back({ .voice = std::move(voice),
-                          .phase = part_of_round(voice.phase),
+                          .phase = part_of_round(phase),
                           .advance = part_of_round(advance),
-                          .own_advance = advance });
+                          .own_advance = advance,
+                          .gain = gain });
   }
   for (int i = 0; i < ramp; i++) {
     const double x = (i + 0.5) / ramp;
@@ -61,10 +64,16 @@ void
 Synthesizer::change(std::size_t index, float amplitude)
 {
   Channel &channel = channels_[index];
-  const float level = amplitude > 0 ? std::min(amplitude, 1.0F) : 0.0F; // NaN is 0
-  channel.wanted = std::min(level * channel.voice.gain, 1.0F);
+  channel.level = amplitude > 0 ? std::min(amplitude, 1.0F) : 0.0F; // NaN is 0
+  set_amplitude(channel);
   if (channel.wanted > 0 && std::exchange(armed_, false))
     softened_ = 0;
+}
+
+void
+Synthesizer::set_amplitude(Channel &channel)
+{
+  channel.wanted = std::min(channel.level * channel.gain, 1.0F);
   begin_ramp(channel);
 }
 
@@ -72,9 +81,15 @@ void
 Synthesizer::tune(std::size_t index, double frequency)
 {
   Channel &channel = channels_[index];
-  const bool is_own = frequency <= 0 || channel.voice.frequency <= 0;
-  const double factor = is_own ? 1 : frequency / channel.voice.frequency;
-  channel.advance = part_of_round(channel.own_advance * factor);
+  const Voice &voice = channel.voice;
+  if (voice.frequency <= 0 || std::exchange(channel.tuned, frequency) == frequency)
+    return;
+  const double now = frequency > 0 ? frequency : voice.frequency;
+  channel.advance = part_of_round(channel.own_advance * now / voice.frequency);
+  channel.gain = voice.gain
+                 * static_cast<float>(gain_at(voice.equalizer, now)
+                                      / gain_at(voice.equalizer, voice.frequency));
+  set_amplitude(channel);
 }
 
 void

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "synth/equalizer.h"
 #include "synth/wave.h"
 
 #include <array>
@@ -18,7 +19,8 @@ struct Voice
   std::shared_ptr<const Wave> wave;
   double phase = 0;     ///< rounds by which its wave is ahead
   float gain = 1;       ///< factor on amplitudes; with 1 and more they are limited to full scale
-  double frequency = 0; ///< Hz of the carrier
+  double frequency = 0; ///< Hz of a sine; 0: a carrier that tune() leaves as it is
+  std::vector<EqualizerBand> equalizer{}; ///< of a sine, in `gain` at `frequency`
 };
 
 /// Carriers whose amplitudes change by ramps. A carrier goes on where it is silent, so that its
@@ -46,7 +48,9 @@ public:
   /// after half a ramp.
   void change(std::size_t channel, float amplitude);
 
-  /// The channel's carrier goes on at this frequency, in Hz; 0: at its own.
+  /// The channel's sine goes on at this frequency, in Hz, with the equalizer's gain there; 0: at
+  /// its own. Other carriers stay as they are: their harmonics would go beyond kHighest, and a
+  /// loop has no frequency.
   void tune(std::size_t channel, double frequency);
 
   /// The next vibration begins softly: its amplitude is limited by a line from zero to full scale
@@ -75,6 +79,9 @@ private:
     std::uint64_t phase;   ///< 2^64 is a round
     std::uint64_t advance; ///< of a sample
     double own_advance;    ///< in rounds
+    double tuned = 0;      ///< Hz; 0: own
+    float level = 0;       ///< of change(), [0, 1]
+    float gain;            ///< at the frequency
     float settled = 0;     ///< amplitude without the ramps
     float target = 0;      ///< amplitude after all ramps
     float wanted = 0;      ///< as target, with those that wait
@@ -82,7 +89,8 @@ private:
     std::array<Ramp, kMostRamps> ramps{}; ///< the first under_way, oldest first
   };
 
-  void begin_ramp(Channel &channel);
+  static void set_amplitude(Channel &channel);
+  static void begin_ramp(Channel &channel);
   void render_channel(Channel &channel, std::size_t index, std::span<float> samples);
   std::span<const float> amplitudes(Channel &channel, std::size_t most);
   void soften(std::span<float> samples);

@@ -317,7 +317,8 @@ diff(const Track &before, const Track &after, float tolerance)
   for (std::size_t i = 0; i + 1 < times.size(); i++) {
     const TactileMap &a = before.at(times[i]);
     const TactileMap &b = after.at(times[i]);
-    const bool same = a.frequency == b.frequency
+    const float most = tolerance > 0 ? 0.5F : 0; // Hz
+    const bool same = std::abs(a.frequency - b.frequency) <= most
                       && std::ranges::equal(a.levels, b.levels, [&](float x, float y) {
                            return std::abs(x - y) <= tolerance;
                          });

@@ -66,9 +66,9 @@ struct Difference
   TactileMap after;
 };
 
-/// Lists where `after` differs from `before` by more than `tolerance` in any cell, or by its
-/// frequency, in order of time. Fails if the grids differ. Beyond the end of a track all its levels
-/// are 0.
+/// Lists where `after` differs from `before`, in order of time: by more than `tolerance` in any
+/// cell, or by its frequency (with a tolerance: by more than half a hertz). Fails if the grids
+/// differ. Beyond the end of a track all its levels are 0.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
 

@@ -286,6 +286,9 @@ export function frequencies_stay_with_what_is_felt() {
   equal(strokes.setLevel(track, { from: 0, to: 50 }, 60)[0].insert, [at(0, 50, [60, 0], 120), at(50, 100, [50, 0], 120)], 'a level');
   equal(strokes.move(track, { from: 0, to: 100 }, { ms: 600 })[1].insert, [at(600, 700, [50, 0], 120)], 'moved');
   equal(strokes.draw(track, { from: 400, to: 500, cells: [0] }, 10)[0].insert, [at(400, 500, [10, 9], 80)], 'another cell');
+  equal(strokes.move(track, { from: 100, to: 200 }, { ms: -100 })[0].insert, [at(0, 100, [50, 0])], 'moved over one with a frequency');
+  equal(strokes.paste(track, strokes.copy(track, { from: 100, to: 200, cells: [0] }), { at: 400 })[0].insert, [at(400, 500, [50, 9], 80)],
+    'beside one with a frequency');
   equal(strokes.setNotes(track, 0, ['a'])[0].insert, [{ ...at(0, 100, [50, 0], 120), notes: ['a'] }], 'a note');
   const other = new Track(1, 2, [at(0, 100, [50, 0], 121), ...track.cues.slice(1)]);
   holds(track.fingerprint !== other.fingerprint, 'another frequency, another fingerprint');

@@ -407,8 +407,17 @@ forms() {
   track edit film.csv -o tuned.csv --frequency=120
   for form in vtt hjif haptic ahap; do
     track convert tuned.csv -o "tuned.$form"
-    ! grep -q "the frequencies" err || fail "$form"
+    ! grep -q "frequenc" err || fail "$form"
   done
+  track edit film.csv -o low.csv --frequency=40
+  track convert low.csv -o low.haptic
+  grep -q "not in 'low.haptic': some frequencies, such as 40 Hz, which is 65 Hz" err || fail haptic
+  # The lowest sharpness is that of events without one.
+  track convert low.csv -o low.ahap
+  grep -q "not in 'low.ahap': the frequencies" err || fail ahap
+  play diff tuned.csv low.csv
+  expect_status 1
+  expect_line out '  120 > 40 Hz$'
   for form in sem.xml funscript; do
     track convert tuned.csv -o "tuned.$form"
     grep -q "not in 'tuned.$form': the frequencies" err || fail "$form"

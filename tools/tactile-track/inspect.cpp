@@ -150,6 +150,9 @@ diff(int argc, char **argv)
         if (std::abs(before - after) > tolerance / 100)
           std::printf("  r%dc%d %.0f > %.0f", row, column, 100 * before, 100 * after);
       }
+    if (difference.before.frequency != difference.after.frequency)
+      std::printf("  %g > %g Hz", static_cast<double>(difference.before.frequency),
+                  static_cast<double>(difference.after.frequency));
     std::printf("\n");
     changed += difference.end - difference.begin;
   }

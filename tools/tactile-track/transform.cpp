@@ -10,6 +10,7 @@
 #include "tracks/track_edit.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -73,6 +74,35 @@ write_file(const TrackFile &file, const Track &track, Time offset, const std::st
   write_bytes(tactile::WebvttText(file.text, grid).with(track, offset), path);
 }
 
+/// The sharpness of Apple and Meta has 3 decimals of 235 Hz, which nobody feels.
+constexpr float kLeastLoss = 0.15F;
+
+/// Of the frequencies that a track had before it was written.
+void
+add_lost_frequencies(const Track &track, const Track &written, std::vector<std::string> &lost)
+{
+  const auto &entries = track.entries();
+  std::string other; // the first one that differs by more than rounding
+  bool is_rounded = false;
+  bool is_gained = false;
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    const Time end = i + 1 < entries.size() ? entries[i + 1].time : track.end();
+    const float before = entries[i].map.frequency;
+    const float after = written.at((entries[i].time + end) / 2).frequency; // times may be rounded
+    is_gained |= before == 0 && after > 0 && !is_silent(entries[i].map);
+    is_rounded |= before > 0 && std::abs(before - after) > kLeastLoss;
+    if (before > 0 && std::abs(before - after) >= 1 && other.empty())
+      other = std::to_string(std::lround(before)) + " Hz, which is "
+              + std::to_string(std::lround(after)) + " Hz";
+  }
+  if (!other.empty())
+    lost.push_back("some frequencies, such as " + other);
+  else if (is_rounded)
+    lost.emplace_back("frequencies finer than 1 Hz");
+  if (is_gained)
+    lost.emplace_back("that some vibrations have no frequency");
+}
+
 /// What `path`, in its format, has not of the track, as nouns.
 std::vector<std::string>
 losses(const Track &track, const std::string &path)
@@ -81,17 +111,17 @@ losses(const Track &track, const std::string &path)
   if (!read) // a format that is not read
     return {};
   const Track &written = *read;
-  const bool has_lost_frequencies = has_frequency(track) && !has_frequency(written);
   std::vector<std::string> lost;
   if (written.rows() != track.rows() || written.columns() != track.columns())
     lost.push_back("the place of each vibration: it has the strongest cell of "
                    + std::to_string(track.rows() * track.columns()));
-  else if (const auto differs = diff(written, has_lost_frequencies ? tune(track, 0) : track);
+  else if (const auto differs = diff(tune(written, 0), tune(track, 0));
            differs && !differs->empty())
-    lost.emplace_back(
-        "times finer than 1 ms, levels finer than 1 % or frequencies finer than 1 Hz");
-  if (has_lost_frequencies)
+    lost.emplace_back("times finer than 1 ms or levels finer than 1 %");
+  if (has_frequency(track) && !has_frequency(written))
     lost.emplace_back("the frequencies");
+  else if (has_frequency(track))
+    add_lost_frequencies(track, written, lost);
   if (track.rate() != 0 && written.rate() == 0)
     lost.emplace_back("the rate");
   return lost;

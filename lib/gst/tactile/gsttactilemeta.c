@@ -20,6 +20,7 @@ typedef struct
 {
   GstTactileMeta parent;
   GstVideoOrientationMethod direction;
+  gfloat frequency; /* Hz; 0: none */
 } TactileMeta;
 
 static gboolean
@@ -31,6 +32,7 @@ gst_tactile_meta_init(GstMeta *meta, gpointer params, GstBuffer *buffer)
   self->columns = 0;
   self->levels = NULL;
   ((TactileMeta *)meta)->direction = GST_VIDEO_ORIENTATION_IDENTITY;
+  ((TactileMeta *)meta)->frequency = 0;
   return TRUE;
 }
 
@@ -42,7 +44,8 @@ gst_tactile_meta_free(GstMeta *meta, GstBuffer *buffer)
   g_clear_pointer(&self->levels, g_free);
 }
 
-/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level. */
+/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level, the
+ * frequency of the last one that has any. */
 static GstTactileMeta *
 gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
                        const GstTactilePlacement *placement)
@@ -51,6 +54,8 @@ gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
   const guint rows = there ? there->rows : self->rows;
   const guint columns = there ? there->columns : self->columns;
   const gsize n_levels = (gsize)rows * columns;
+  const gfloat own = ((const TactileMeta *)self)->frequency;
+  const gfloat frequency = own == 0 && there ? ((const TactileMeta *)there)->frequency : own;
   gfloat *levels = g_new(gfloat, n_levels);
   GstTactileMeta *placed;
 
@@ -59,6 +64,7 @@ gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
   for (gsize i = 0; there != NULL && i < n_levels; i++)
     levels[i] = MAX(levels[i], there->levels[i]);
   placed = gst_buffer_add_tactile_meta(dest, rows, columns, levels, n_levels);
+  ((TactileMeta *)placed)->frequency = frequency;
   g_free(levels);
   return placed;
 }
@@ -74,10 +80,11 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
 
   /* Levels are relative to the picture, so a scaled picture keeps them. A copy of a region copies a
    * range of bytes, not a part of the picture, so it keeps the whole grid. */
-  if (GST_META_TRANSFORM_IS_COPY(type) || GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+  if (GST_META_TRANSFORM_IS_COPY(type) || GST_VIDEO_META_TRANSFORM_IS_SCALE(type)) {
     other = gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
                                         (gsize)self->rows * self->columns);
-  else if (gst_tactile_placement_init(&placement, type, data, direction)) {
+    ((TactileMeta *)other)->frequency = ((const TactileMeta *)meta)->frequency;
+  } else if (gst_tactile_placement_init(&placement, type, data, direction)) {
     if (placement.turns_by)
       direction = GST_VIDEO_ORIENTATION_IDENTITY;
     other = gst_tactile_meta_place(dest, self, &placement);
@@ -88,6 +95,7 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   return TRUE;
 }
 
+/* The frequency of a buffer of a stream of maps, which has no GstTactileMeta. */
 #define FREQUENCY_META "GstTactileFrequencyMeta"
 
 static void
@@ -103,11 +111,11 @@ register_frequency_meta(void)
 }
 
 #if GST_CHECK_VERSION(1, 24, 0)
-/* For unixfdsink and others that pass buffers to other processes: rows, columns, direction, levels,
- * 4 bytes each, little-endian. */
+/* For unixfdsink and others that pass buffers to other processes: rows, columns, direction,
+ * frequency, levels, 4 bytes each, little-endian. */
 enum
 {
-  HEADER = 12
+  HEADER = 16
 };
 
 static gboolean
@@ -119,10 +127,11 @@ gst_tactile_meta_serialize(const GstMeta *meta, GstByteArrayInterface *data, gui
 
   if (bytes == NULL)
     return FALSE;
-  *version = 1;
+  *version = 2;
   GST_WRITE_UINT32_LE(bytes, self->rows);
   GST_WRITE_UINT32_LE(bytes + 4, self->columns);
   GST_WRITE_UINT32_LE(bytes + 8, ((const TactileMeta *)meta)->direction);
+  GST_WRITE_FLOAT_LE(bytes + 12, ((const TactileMeta *)meta)->frequency);
   for (gsize i = 0; i < n_levels; i++)
     GST_WRITE_FLOAT_LE(bytes + HEADER + i * 4, self->levels[i]);
   return TRUE;
@@ -135,18 +144,21 @@ gst_tactile_meta_deserialize(const GstMetaInfo *info, GstBuffer *buffer, const g
   const guint32 rows = size >= HEADER ? GST_READ_UINT32_LE(data) : 0;
   const guint32 columns = size >= HEADER ? GST_READ_UINT32_LE(data + 4) : 0;
   const guint32 direction = size >= HEADER ? GST_READ_UINT32_LE(data + 8) : 0;
+  const gfloat frequency = size >= HEADER ? GST_READ_FLOAT_LE(data + 12) : 0;
   gfloat levels[GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE];
   GstTactileMeta *self;
 
-  if (version != 1 || rows < 1 || rows > GST_TACTILE_MAX_SIDE || columns < 1
+  if (version != 2 || rows < 1 || rows > GST_TACTILE_MAX_SIDE || columns < 1
       || columns > GST_TACTILE_MAX_SIDE || size != HEADER + (gsize)rows * columns * 4
       || direction > GST_VIDEO_ORIENTATION_CUSTOM)
     return NULL;
   for (gsize i = 0; i < (gsize)rows * columns; i++)
     levels[i] = GST_READ_FLOAT_LE(data + HEADER + i * 4);
   self = gst_buffer_add_tactile_meta(buffer, rows, columns, levels, (gsize)rows * columns);
-  if (self != NULL)
+  if (self != NULL) {
     gst_tactile_meta_set_video_direction(self, (GstVideoOrientationMethod)direction);
+    ((TactileMeta *)self)->frequency = frequency >= 1 && frequency <= 1000 ? frequency : 0;
+  }
   return (GstMeta *)self;
 }
 #endif
@@ -226,7 +238,8 @@ gst_tactile_meta_get_info(void)
  *
  * Attaches a tactile map to a video frame. A frame has one tactile map: if
  * @buffer already has a #GstTactileMeta, its grid and levels are replaced, so
- * that a frame that is analyzed twice is not felt twice.
+ * that a frame that is analyzed twice is not felt twice. The new map has no
+ * frequency.
  *
  * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
  *     if a parameter is out of range
@@ -260,6 +273,7 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
 
   g_free(self->levels);
   self->levels = copy;
+  ((TactileMeta *)self)->frequency = 0;
   self->rows = rows;
   self->columns = columns;
   return self;
@@ -343,12 +357,18 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
 void
 gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
 {
+  GstTactileMeta *map;
   GstCustomMeta *meta;
 
   g_return_if_fail(GST_IS_BUFFER(buffer));
   g_return_if_fail(gst_buffer_is_writable(buffer));
   g_return_if_fail(frequency >= 0 && frequency <= 1000);
 
+  map = gst_buffer_get_tactile_meta(buffer);
+  if (map != NULL) {
+    ((TactileMeta *)map)->frequency = frequency;
+    return;
+  }
   register_frequency_meta();
   meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
   if (frequency == 0) {
@@ -374,11 +394,15 @@ gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
 gfloat
 gst_buffer_get_tactile_frequency(GstBuffer *buffer)
 {
+  const GstTactileMeta *map;
   GstCustomMeta *meta;
   gfloat frequency = 0;
 
   g_return_val_if_fail(GST_IS_BUFFER(buffer), 0);
 
+  map = gst_buffer_get_tactile_meta(buffer);
+  if (map != NULL)
+    return ((const TactileMeta *)map)->frequency;
   register_frequency_meta();
   meta = gst_buffer_get_custom_meta(buffer, FREQUENCY_META);
   if (meta != NULL)

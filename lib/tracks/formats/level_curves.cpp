@@ -126,7 +126,7 @@ LevelCurves::set_frequency(const Point &from, const Point &to)
     const double part = holds ? 1 : std::chrono::duration<double>(middle - begin) / (end - begin);
     const double frequency = std::lerp(from.level, to.level, part);
     frequencies_[at] = frequency < 1 ? 0 : static_cast<float>(frequency);
-    if (frequencies_.size() > Track::kMaxEntries)
+    if (++tuned_ > Track::kMaxEntries)
       return wrong("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
   }
   frequencies_.emplace(end, after);

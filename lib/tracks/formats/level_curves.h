@@ -40,7 +40,8 @@ public:
   tl::expected<void, FormatError> add(std::size_t channel, std::span<const Point> points);
 
   /// Sets the frequency from one point to another, whose `level` is one in Hz; 0: none. It is
-  /// linear between them, in steps of 20 ms. Later calls win.
+  /// linear between them, in steps of 20 ms. Later calls win. Fails beyond Track::kMaxEntries steps
+  /// of all calls.
   tl::expected<void, FormatError> set_frequency(const Point &from, const Point &to);
 
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
@@ -68,6 +69,7 @@ private:
   std::size_t curves_ = 0;
   std::vector<Change> changes_;
   std::map<Time, float> frequencies_; ///< each from its time to the next
+  std::size_t tuned_ = 0;             ///< steps, also those that later calls replaced
 };
 
 } // namespace tactile

@@ -25,6 +25,12 @@ whole_ms(Time time)
   return static_cast<std::int32_t>(time / milliseconds(1));
 }
 
+bool
+is_silent(const WebvttCue &cue)
+{
+  return std::ranges::all_of(cue.levels, [](int level) { return level == 0; });
+}
+
 WebvttCue
 cue_of(std::int32_t start, std::int32_t end, const TactileMap &map)
 {
@@ -53,12 +59,6 @@ stretches(const Track &track, std::int32_t from, std::int32_t to)
       ++next;
   }
   return cues;
-}
-
-bool
-is_silent(const WebvttCue &cue)
-{
-  return std::ranges::all_of(cue.levels, [](int level) { return level == 0; });
 }
 
 /// Appends the cues of the track in a gap between the cues of the file.
@@ -114,7 +114,8 @@ set_map(WebvttCue &cue, const TactileMap &map)
   cue.levels.reserve(map.levels.size());
   for (const float level : map.levels)
     cue.levels.push_back(static_cast<std::uint8_t>(std::lround(level * kTextSteps)));
-  cue.frequency = static_cast<std::int32_t>(std::lround(map.frequency));
+  // Nobody feels that of a silent map, and a track does not keep it.
+  cue.frequency = is_silent(cue) ? 0 : static_cast<std::int32_t>(std::lround(map.frequency));
 }
 
 TactileMap

@@ -219,6 +219,26 @@ GST_START_TEST(test_map_at_the_frames_beginning)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_frequency)
+{
+  Combiner c;
+  const gfloat levels[] = { 0.5F, 0 };
+  GstBuffer *map = gst_tactile_map_buffer_new(levels, 2);
+  gst_buffer_set_tactile_frequency(map, 120);
+  GST_BUFFER_PTS(map) = 0;
+  GST_BUFFER_DURATION(map) = kFrame;
+  c.push_raw(map);
+  c.push_map(1, 40, 80);
+  c.end_track();
+  for (const gfloat expected : { 120.0F, 0.0F }) {
+    c.push_frame(expected == 0 ? 1 : 0);
+    GstBuffer *frame = gst_harness_pull(c.video);
+    fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), expected);
+    gst_buffer_unref(frame);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_film_ends_first)
 {
   Combiner c;
@@ -512,6 +532,7 @@ tactilecombiner_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_map_at_the_frames_beginning);
+  tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_film_ends_first);
   tcase_add_test(tests, test_longer_track);
   tcase_add_test(tests, test_second_film);

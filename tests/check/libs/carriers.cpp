@@ -5,6 +5,8 @@
 #include "support/tolerance.h"
 #include "support/unwrap.h"
 
+#include <algorithm>
+
 using namespace synth;
 
 GST_START_TEST(test_lists)
@@ -74,6 +76,45 @@ GST_START_TEST(test_tunings)
 }
 GST_END_TEST;
 
+/// The strongest sample of a second at a frequency.
+static float
+peak_at(const Carriers &carriers, double frequency)
+{
+  Synthesizer synthesizer(8000, carriers.voices(1), 8);
+  synthesizer.change(0, 0.5F);
+  synthesizer.tune(0, frequency);
+  std::vector<float> sound(8000);
+  synthesizer.render(sound);
+  return *std::max_element(sound.begin() + 100, sound.end());
+}
+
+GST_START_TEST(test_tuned)
+{
+  // The equalizer is that of the frequency: its gain in its middle, none far away.
+  const EqualizerBand band = { 240, -20, 5 };
+  for (const auto &[frequency, gain] : { std::pair(240.0, 0.1), { 20.0, 1.0 }, { 0.0, 1.0 } })
+    fail_unless_near(peak_at({ .frequencies = { 30 }, .tunings = { { 1, { band } } } }, frequency),
+                     0.5 * gain, 0.002);
+  // Only a sine can be played at another frequency.
+  const auto loop = std::make_shared<const Wave>(1, std::vector<float>{ 0, 1, 0, -1 });
+  const Carriers others{ .waveforms = { Waveform::square, Waveform::triangle, Waveform::noise,
+                                        Waveform::sample },
+                         .samples = { loop } };
+  Synthesizer own(8000, others.voices(4), 8);
+  Synthesizer tuned(8000, others.voices(4), 8);
+  std::vector<float> expected(8000);
+  std::vector<float> sound(8000);
+  for (std::size_t i = 0; i < 4; i++) {
+    own.change(i, 1);
+    tuned.change(i, 1);
+    tuned.tune(i, 500);
+  }
+  own.render(expected);
+  tuned.render(sound);
+  fail_unless(sound == expected);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_names)
 {
   for (const char *text : { "", "purr.wav", "a b.wav,,c.wav", ",b.wav" })
@@ -94,6 +135,7 @@ carriers_suite(void)
   tcase_add_test(tcase, test_refused);
   tcase_add_test(tcase, test_voices);
   tcase_add_test(tcase, test_tunings);
+  tcase_add_test(tcase, test_tuned);
   tcase_add_test(tcase, test_names);
   return suite;
 }

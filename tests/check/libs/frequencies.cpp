@@ -2,6 +2,7 @@
 //
 // Frequencies of maps in files.
 #include "tracks/formats/track_file.h"
+#include "tracks/track_edit.h"
 
 #include <cmath>
 #include <string>
@@ -77,6 +78,15 @@ GST_START_TEST(test_frequencies_survive)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_differences)
+{
+  const Track track = tune(tuned_track(), 120.4F);
+  fail_unless(diff(track, tune(track, 120))->size() == 3);
+  fail_unless(diff(track, tune(track, 120), 0.005F)->empty()); // as whole numbers
+  fail_unless(diff(track, tune(track, 121), 0.005F)->size() == 3);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_texts_of_frequencies)
 {
   const Track track = tuned_track();
@@ -108,6 +118,7 @@ frequencies_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_sharpness);
   tcase_add_test(tests, test_frequencies_survive);
+  tcase_add_test(tests, test_differences);
   tcase_add_test(tests, test_texts_of_frequencies);
   return suite;
 }

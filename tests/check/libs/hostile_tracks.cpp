@@ -163,6 +163,22 @@ GST_START_TEST(test_times_in_disorder)
 }
 GST_END_TEST;
 
+/// A thousand events of 20 hours under one slope of sharpness: a map has few frequencies, but
+/// each event sets all of them again.
+GST_START_TEST(test_frequencies_set_again)
+{
+  limit_memory(3);
+  const std::string event = R"({"Event":{"Time":0,"EventType":"HapticContinuous",)"
+                            R"("EventDuration":72000,"EventParameters":[{"ParameterID":)"
+                            R"("HapticSharpness","ParameterValue":0.5}]}},)";
+  fail_if(is_read(R"({"Version":1,"Pattern":[)" + times(1000, event)
+                      + R"({"ParameterCurve":{"ParameterID":"HapticSharpnessControl","Time":0,)"
+                        R"("ParameterCurveControlPoints":[{"Time":0,"ParameterValue":-0.5},)"
+                        R"({"Time":72000,"ParameterValue":0.5}]}}]})",
+                  TrackFormat::ahap));
+}
+GST_END_TEST;
+
 static Suite *
 hostile_tracks_suite(void)
 {
@@ -174,6 +190,7 @@ hostile_tracks_suite(void)
   tcase_add_test(cases, test_a_million_cues);
   tcase_add_test(cases, test_deep_and_growing_documents);
   tcase_add_test(cases, test_documents_of_many_parts);
+  tcase_add_test(cases, test_frequencies_set_again);
   tcase_add_test(cases, test_invalid_numbers);
   tcase_add_test(cases, test_times_in_disorder);
   return suite;

@@ -200,12 +200,23 @@ GST_START_TEST(test_utf16)
 }
 GST_END_TEST;
 
+/// A silent cue may have a frequency, which nobody feels.
+GST_START_TEST(test_silent_cue_with_a_frequency)
+{
+  const std::string silent = "WEBVTT\n\n00:00.000 --> 00:01.000\n0\n50 Hz\n";
+  const std::string file = silent + "\n00:01.000 --> 00:02.000\n80\n";
+  assert_text(text_of(file).with(scale(*read_webvtt(file), 0.5F), 0s),
+              silent + "\n00:01.000 --> 00:02.000\n 40\n");
+}
+GST_END_TEST;
+
 static Suite *
 webvtt_text_suite()
 {
   Suite *suite = suite_create("webvtt_text");
   TCase *tests = tcase_create("all");
   suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_silent_cue_with_a_frequency);
   tcase_add_test(tests, test_unchanged);
   tcase_add_test(tests, test_shift);
   tcase_add_test(tests, test_shift_before_the_beginning);

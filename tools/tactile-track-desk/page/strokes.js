@@ -14,7 +14,7 @@ import { LONGEST, MOST_NOTES, difference, isSilent, join } from './track.js';
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 const wholeLevel = (level) => bounded(Math.round(level), 0, 100);
 const cellsOf = (track, { cells }) => cells ?? [...track.silence.keys()];
-const silent = (spans) => spans.map((span) => ({ ...span, level: 0, frequency: 0 }));
+const silent = (spans) => spans.map((span) => ({ ...span, level: 0, frequency: undefined }));
 
 /** Spans in whole ms within the track's limits; throws if a cell is not in the grid. */
 function checked(track, spans) {
@@ -34,9 +34,9 @@ function checked(track, spans) {
 function pieces(cues, times, spans, silence) {
   const indexOf = new Map(times.map((time, index) => [time, index]));
   const painted = new Map(); // cell → level from each time on, -1: as it is
-  const tuned = new Int16Array(times.length); // frequency, 0: as it is
-  for (const { cell, start, end, level, frequency = 0 } of spans) {
-    if (frequency > 0) tuned.fill(frequency, indexOf.get(start), indexOf.get(end));
+  const tuned = new Int16Array(times.length).fill(-1); // frequency, -1: as it is
+  for (const { cell, start, end, level, frequency = -1 } of spans) {
+    if (frequency >= 0) tuned.fill(frequency, indexOf.get(start), indexOf.get(end));
     if (!painted.has(cell)) painted.set(cell, new Int8Array(times.length).fill(-1));
     painted.get(cell).fill(level, indexOf.get(start), indexOf.get(end));
   }
@@ -53,7 +53,10 @@ function pieces(cues, times, spans, silence) {
       if (levels === before) levels = before.slice();
       levels[cell] = level[i];
     }
-    const frequency = isSilent(levels) ? 0 : tuned[i] || (origin?.frequency ?? 0);
+    // What has no frequency takes that of others only beside them.
+    const isAlone = levels.every((level, cell) => level === 0 || painted.get(cell)?.[i] > 0);
+    const isTuned = tuned[i] > 0 || (tuned[i] === 0 && isAlone);
+    const frequency = isSilent(levels) ? 0 : isTuned ? tuned[i] : (origin?.frequency ?? 0);
     const changed = levels !== before || (origin && !isSilent(levels) && frequency !== (origin.frequency ?? 0));
     if (changed || origin) made.push({ start, end, levels, frequency, origin, changed });
   }

@@ -267,8 +267,8 @@ export class Track {
         if (level === 0) continue;
         const start = Math.max(cue.start, from);
         const end = Math.min(cue.end, to);
-        if (span && span.end === start && span.level === level && span.frequency === cue.frequency) span.end = end;
-        else spans.push(span = { cell, start, end, level, ...cue.frequency && { frequency: cue.frequency } });
+        if (span && span.end === start && span.level === level && span.frequency === (cue.frequency ?? 0)) span.end = end;
+        else spans.push(span = { cell, start, end, level, frequency: cue.frequency ?? 0 });
       }
     }
     return spans;
