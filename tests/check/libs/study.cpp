@@ -192,11 +192,12 @@ GST_START_TEST(test_drop_and_forget)
   answer(*folder, *two, "7");
   play(*folder, *two);
   answer(*folder, *two, "77");
+  fail_if(files.read("data/P02.journal").find("\"step\"") == std::string::npos);
   fail_unless(folder->forget("P02").has_value());
   fail_unless(folder->forget("P01").has_value());
   fail_unless(!folder->forget("P09").has_value());
   fail_unless(!fs::exists(folder->data("P01")));
-  fail_unless(files.read("data/P02.journal").find("77") == std::string::npos);
+  fail_unless(files.read("data/P02.journal").find("\"step\"") == std::string::npos);
   fail_unless(study::answer_table(*folder).find("P02") == std::string::npos);
   Participant *three = *folder->start("0.1");
   fail_unless(three->name() == "P03", "a number is not given again");
