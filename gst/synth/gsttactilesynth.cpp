@@ -13,7 +13,8 @@
  *   keep their frequency.
  * - An amplitude changes within 12 ms, half of it before the time of the change. Sidebands more
  *   than 200 Hz from the carrier are below -60 dB of full scale.
- * - Carriers continue in silence, so that their phase depends on time only.
+ * - Carriers continue in silence, so that their phase depends on time only. The frequency of a map
+ *   replaces that of a sine, with the equalizer's gain there; other carriers keep theirs.
  * - No sample exceeds full scale. If gain and equalizer of a #GstTactilesynth:calibration would
  *   exceed it, the element limits the amplitude, so that the carrier keeps its shape.
  *

@@ -152,7 +152,11 @@ tl::expected<void, std::string>
 Journal::replace(std::string_view base, std::string_view entry)
 {
   return replace_file(path_, header(base).append(entry).append("\n"))
-      .and_then([&](const std::string &) { return open(path_, kind_); })
+      .and_then([&](const std::string &warning) -> tl::expected<Journal, std::string> {
+        if (!warning.empty())
+          return tl::unexpected(warning);
+        return open(path_, kind_);
+      })
       .and_then([&](Journal &&fresh) {
         *this = std::move(fresh);
         return read();

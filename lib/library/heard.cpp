@@ -10,7 +10,10 @@
 #include <glib.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <fcntl.h>
 #include <filesystem>
+#include <sys/stat.h>
 #include <utility>
 
 namespace library {
@@ -23,6 +26,15 @@ bool
 stops(GCancellable *stop)
 {
   return stop != nullptr && g_cancellable_is_cancelled(stop) != FALSE;
+}
+
+/// Puts the name of a file before an error.
+auto
+named(const std::string &name)
+{
+  return [name](const std::string &error) {
+    return "'" + name + "': " + error;
+  };
 }
 
 std::vector<listen::Entry>
@@ -39,11 +51,11 @@ in_folder(const std::string &folder, std::vector<std::string> &complaints, GCanc
   for (const std::string &path : paths) {
     if (entries.size() >= listen::Catalogue::kMostFilms || stops(stop))
       break;
-    auto entry = listen::Entry::open(path);
+    auto entry = listen::Entry::open(path).map_error(named(path));
     if (entry)
       entries.push_back(*std::move(entry));
     else
-      complaints.push_back("'" + path + "': " + entry.error());
+      complaints.push_back(entry.error());
   }
   return entries;
 }
@@ -64,8 +76,7 @@ kept(const std::string &where, const IndexEntry &listed, GCancellable *stop)
       = (fs::path(kept_folder()) / (listed.heard_sum + listen::kEntryEnding)).string();
   if (const auto bytes = files::read(path, listen::kMostEntry);
       bytes && content_sum(*bytes) == listed.heard_sum) {
-    std::error_code error;
-    fs::last_write_time(path, fs::file_time_type::clock::now(), error); // it is used
+    mark_used(path);
     return path;
   }
   g_autofree gchar *escaped = g_uri_escape_string(listed.heard.c_str(), "/", FALSE);
@@ -88,8 +99,8 @@ on_server(std::string where, std::vector<std::string> &complaints, GCancellable 
   if (!where.ends_with('/'))
     where += '/';
   const auto index
-      = fetch(where + kIndexName, kMostIndex, stop).and_then([](const std::string &text) {
-          return read_index(text);
+      = fetch(where + kIndexName, kMostIndex, stop).and_then([&](const std::string &text) {
+          return read_index(text).map_error(named(where + kIndexName));
         });
   if (!index) {
     complaints.push_back(index.error());
@@ -109,20 +120,25 @@ on_server(std::string where, std::vector<std::string> &complaints, GCancellable 
       continue;
     }
     const auto path = kept(where, one, stop);
-    auto entry = path.and_then(listen::Entry::open);
+    auto entry = path.and_then([&](const std::string &file) {
+      return listen::Entry::open(file).map_error(named(where + one.heard));
+    });
     if (!entry) {
       complaints.push_back(entry.error());
       continue;
     }
     std::error_code error;
-    bytes += fs::file_size(*path, error);
+    if (const auto size = fs::file_size(*path, error); !error)
+      bytes += size;
     used.insert(*path);
     entries.push_back(*std::move(entry));
   }
   if (left_out > 0)
     complaints.push_back(std::to_string(left_out) + " entries of '" + where
-                         + "' are left out: at most 8 GiB are fetched; copy the library to a "
-                           "folder and give that to --tracks");
+                         + "' are left out: at most 8 GiB are fetched, and at most "
+                         + std::to_string(listen::Catalogue::kMostFilms)
+                         + " films are listened for; copy those that you want to a folder and "
+                           "give that to --tracks");
   remove_unused(kept_folder(), used, kMostHeard);
   return entries;
 }
@@ -138,13 +154,21 @@ content_sum(const std::string &bytes)
 }
 
 void
+mark_used(const std::string &path)
+{
+  const timespec times[2]
+      = { { .tv_sec = 0, .tv_nsec = UTIME_NOW }, { .tv_sec = 0, .tv_nsec = UTIME_OMIT } };
+  utimensat(AT_FDCWD, path.c_str(), times, 0); // if it fails, it is removed earlier
+}
+
+void
 remove_unused(const std::string &folder, const std::set<std::string> &used,
               std::uintmax_t most_bytes)
 {
   struct File
   {
     bool is_used;
-    fs::file_time_type last;
+    std::pair<std::int64_t, std::int64_t> last; ///< time of use: s, ns
     std::uintmax_t size;
     std::string path;
   };
@@ -153,11 +177,13 @@ remove_unused(const std::string &folder, const std::set<std::string> &used,
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string path = entry->path().string();
-    std::error_code ignored;
-    if (entry->is_regular_file(ignored))
+    struct stat found
+    {
+    };
+    if (lstat(path.c_str(), &found) == 0 && S_ISREG(found.st_mode))
       files.push_back({ .is_used = used.contains(path),
-                        .last = entry->last_write_time(ignored),
-                        .size = entry->file_size(ignored),
+                        .last = { found.st_atim.tv_sec, found.st_atim.tv_nsec },
+                        .size = static_cast<std::uintmax_t>(found.st_size),
                         .path = path });
   }
   std::ranges::sort(files, std::ranges::greater(),

@@ -23,6 +23,10 @@ std::vector<listen::Entry> heard_entries(const std::string &where,
 /// Bytes of a server's entries, and of the cache.
 inline constexpr std::uintmax_t kMostHeard = std::uintmax_t{ 8 } << 30;
 
+/// Notes in a file's time of access that it is used. Its time of change stays: programs that have
+/// the entry open read on.
+void mark_used(const std::string &path);
+
 /// Removes files of the cache beyond `most_bytes`, but none in use; the one that was used last is
 /// removed last.
 void remove_unused(const std::string &folder, const std::set<std::string> &used,

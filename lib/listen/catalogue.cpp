@@ -135,7 +135,7 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
                      const std::function<bool()> &stops)
     : films_(std::move(films))
 {
-  remove_copies();
+  remove_copies(stops);
   if (films_.size() > kMostFilms)
     films_.erase(films_.begin() + kMostFilms, films_.end());
   std::vector<std::int64_t> frames;
@@ -155,7 +155,7 @@ Catalogue::Catalogue(std::vector<Entry> films, std::size_t most_bytes,
 
 /// Films with the same sound cannot be distinguished: the first one counts.
 void
-Catalogue::remove_copies()
+Catalogue::remove_copies(const std::function<bool()> &stops)
 {
   // The sound at 16 moments, of 1 s each.
   const auto sample = [](const Entry &film) {
@@ -172,6 +172,8 @@ Catalogue::remove_copies()
   std::vector<Entry> films;
   films.reserve(films_.size());
   for (Entry &film : films_) {
+    if (stops && stops())
+      break;
     const auto [first, is_new] = kept.try_emplace({ film.steps(), sample(film) }, films.size());
     if (!is_new) {
       complaints_.push_back("'" + film.film() + "' with '" + film.track_name()

@@ -63,7 +63,7 @@ public:
   static constexpr std::size_t kMostFilms = 20'000;
 
   Catalogue() = default;
-  /// `stops`: whether to give up, with films that are not found.
+  /// `stops`: whether to give up; films are then missing or not found.
   explicit Catalogue(std::vector<Entry> films, std::size_t most_bytes = kMostBytes,
                      const std::function<bool()> &stops = {});
 
@@ -82,7 +82,7 @@ public:
   }
 
 private:
-  void remove_copies();
+  void remove_copies(const std::function<bool()> &stops);
 
   std::vector<Entry> films_;
   std::vector<std::string> complaints_;

@@ -71,7 +71,8 @@ Play::set_mute(bool mute)
   if (!mute)
     synthesizer_.arm(grid_.rate * soft_start_ / Time(std::chrono::seconds(1)));
   for (std::size_t i = 0; i < voices_.size(); i++)
-    change({ .tactor = static_cast<int>(i), .volts = queue_.levels()[i] });
+    // A channel that has begun early keeps the pitch of its map.
+    change({ .effect = played_[i], .tactor = static_cast<int>(i), .volts = queue_.levels()[i] });
 }
 
 void

@@ -307,6 +307,13 @@ replace(const Track &track, const Track &by, Time begin, Time end, const std::ve
   return result.finish(last);
 }
 
+bool
+is_same_frequency(const TactileMap &a, const TactileMap &b, float tolerance)
+{
+  const float most = tolerance > 0 ? 0.5F : 0; // Hz, as some formats have whole numbers
+  return std::abs(a.frequency - b.frequency) <= most;
+}
+
 tl::expected<std::vector<Difference>, FormatError>
 diff(const Track &before, const Track &after, float tolerance)
 {
@@ -317,8 +324,7 @@ diff(const Track &before, const Track &after, float tolerance)
   for (std::size_t i = 0; i + 1 < times.size(); i++) {
     const TactileMap &a = before.at(times[i]);
     const TactileMap &b = after.at(times[i]);
-    const float most = tolerance > 0 ? 0.5F : 0; // Hz
-    const bool same = std::abs(a.frequency - b.frequency) <= most
+    const bool same = is_same_frequency(a, b, tolerance)
                       && std::ranges::equal(a.levels, b.levels, [&](float x, float y) {
                            return std::abs(x - y) <= tolerance;
                          });

@@ -66,9 +66,12 @@ struct Difference
   TactileMap after;
 };
 
+/// Whether the frequencies are the same; with any tolerance, within half a hertz.
+bool is_same_frequency(const TactileMap &a, const TactileMap &b, float tolerance);
+
 /// Lists where `after` differs from `before`, in order of time: by more than `tolerance` in any
-/// cell, or by its frequency (with a tolerance: by more than half a hertz). Fails if the grids
-/// differ. Beyond the end of a track all its levels are 0.
+/// cell, or by the frequency. Fails if the grids differ. Beyond the end of a track all its levels
+/// are 0.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
 

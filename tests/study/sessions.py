@@ -71,6 +71,7 @@ def the_paper_study(driver):
         for row in rows:
             if row["session"] == "end":
                 continue
+            assert set(row["marks"].split()) <= {"not-shown", "simulated", "no-commands"}, row
             assert row["state"] == "done" and row["consent"] == "1" and row["settings"] and row["program"] and row["gstreamer"]
             assert int(row["frames"]) + int(row["frames_dropped"]) > 0, row
             volts = volts_of(folder / "data" / row["trace"])
@@ -192,6 +193,9 @@ def the_chair_stops_first(_):
                     wait_until("the end", lambda: server.state()["step"]["phase"] == "failed")
                     stopped = log.read_bytes()[before:].decode()
                     assert 0 < stopped.index("<chair>") < stopped.index("audiotestsrc0"), stopped[:2000]
+                    assert "<chair> completed state change to PLAYING" not in stopped, stopped[:2000]
+                    # The participant's page does not start it again, the experimenter does.
+                    assert server.post("play", {"step": "1/film"}).status == 409
                     assert "doubts" in (folder / "data/P01.journal").read_text()
         finally:
             screen.kill()

@@ -8,7 +8,9 @@ Usage: follow_listen.py [PART ...]      of file, learn, server and, by hand on a
 
 import contextlib
 import functools
+import hashlib
 import http.server
+import json
 import math
 import os
 import random
@@ -53,21 +55,32 @@ def track(*words):
     return done.stdout
 
 
+def learn_film(name, sound, folder, seconds):
+    """A film of this sound with its entry: a pulse in each second."""
+    film = work / f"{name}.mkv"
+    subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", f"color=black:s=64x64:r=25:d={seconds}", "-i", str(sound), "-c:v", "libx264", "-preset",
+                    "ultrafast", "-c:a", "aac", "-b:a", "128k", str(film)], check=True)
+    follow_trace.make_track(folder / f"{name}.csv", [(second, 0.7) for second in range(1, seconds)], seconds)
+    said = track("learn", film, folder / f"{name}.csv")
+    assert f"{name}.heard" in said, said
+    return film
+
+
 @functools.cache
 def make_film():
-    """A film with its entry: a pulse in each second."""
     library = work / "library"
     library.mkdir()
-    sound, film = make_sound(work / "film.wav", 5), work / "Known.mkv"
-    subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", f"color=black:s=64x64:r=25:d={SECONDS}", "-i", str(sound), "-c:v", "libx264", "-preset",
-                    "ultrafast", "-c:a", "aac", "-b:a", "128k", str(film)], check=True)
-    follow_trace.make_track(library / "Known.csv", [(second, 0.7) for second in range(1, SECONDS)], SECONDS)
-    said = track("learn", film, library / "Known.csv")
-    assert "Known.heard" in said, said
+    sound = make_sound(work / "film.wav", 5)
+    film = learn_film("Known", sound, library, SECONDS)
     assert (library / "Known.heard").stat().st_size < 40_000
     heard = work / "heard.wav"
     subprocess.run(["ffmpeg", "-v", "error", "-ss", str(FIRST), "-i", str(sound), "-t", "20", str(heard)], check=True)
     return film, library, heard
+
+
+def set_saver(is_on):
+    subprocess.run(["gdbus", "emit", "--session", "--object-path=/org/freedesktop/ScreenSaver", "--signal=org.freedesktop.ScreenSaver.ActiveChanged",
+                    str(is_on).lower()], check=True)
 
 
 class Listener:
@@ -101,19 +114,33 @@ def file():
     listener.wait_for("plays 'Known.mkv' with the track of its entry")
     listener.end()
     assert "the sound has ended" in listener.said(), listener.said()
-    assert len(listener.onsets()) >= 5, listener.onsets()  # when they come is film_listener's test
+    assert len(listener.onsets()) >= 5, listener.onsets()  # when they come: part player, by hand
     (library / "Torn.heard").unlink()
     # Another film.
     other = make_sound(work / "other.wav", 6, 12)
     listener = Listener("other", f"--listen={other}", f"--tracks={library}", "--mpv=/nowhere")
     listener.end()
     assert "plays" not in listener.said(), listener.said()
-    # No entries at first: it tries again, and --once goes on.
+    # A file that cannot be decoded, alone and with a player that has not played.
+    text = work / "text.wav"
+    text.write_text("no sound", encoding="utf-8")
+    paused = Mpv(other, "--pause")
+    for mpv in ("/nowhere", paused.path):
+        listener = Listener("text", f"--listen={text}", f"--tracks={library}", f"--mpv={mpv}")
+        listener.end()
+        assert "cannot listen to '" in listener.said() and (" is there" in listener.said()) == (mpv == paused.path), listener.said()
+    paused.quit()
+    # No entries at first: it tries again, and --once goes on. A film that is learned behind a locked screen is known after.
     late = work / "late"
     late.mkdir()
     listener = Listener("late", f"--listen={heard}", f"--tracks={late}", "--mpv=/nowhere")
     listener.wait_for("make them with tactile-track learn")
+    learn_film("Other", other, late, 12)
+    listener.wait_for("listens to '")
+    set_saver(True)
+    listener.wait_for("the screen saver is on")
     (late / "Known.heard").write_bytes((library / "Known.heard").read_bytes())
+    set_saver(False)
     listener.wait_for("plays 'Known.mkv' with the track of its entry")
     listener.end()
 
@@ -146,8 +173,21 @@ def server():
 
     web = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=library))
     threading.Thread(target=web.serve_forever, daemon=True).start()
+    address = f"http://127.0.0.1:{web.server_port}"
+    # Each look for entries finds the same fault, which is reported once.
+    torn = library / "torn"
+    torn.mkdir()
+    (torn / "Torn.heard").write_bytes(b"torn")
+    (torn / "tracks.json").write_text(json.dumps({"tracks": [{"file": "Torn.csv", "duration": 1, "heard": "Torn.heard",
+                                                              "heard_sum": hashlib.sha256(b"torn").hexdigest()}]}), encoding="utf-8")
+    listener = Listener("torn", f"--listen={heard}", f"--tracks={address}/torn", "--mpv=/nowhere")
+    wait_until("three looks", lambda: requests.count("/torn/tracks.json") == 3)
+    listener.process.send_signal(signal.SIGINT)
+    listener.end()
+    assert listener.said().count(f"no film can be listened for: '{address}/torn/Torn.heard': expected") == listener.said().count("Torn.heard") == 1, listener.said()
+    requests.clear()
     for time in range(2):  # the second time it is kept
-        listener = Listener(f"server{time}", f"--listen={heard}", f"--tracks=http://127.0.0.1:{web.server_port}", "--mpv=/nowhere")
+        listener = Listener(f"server{time}", f"--listen={heard}", f"--tracks={address}", "--mpv=/nowhere")
         listener.wait_for("plays 'Known.mkv' with the track of its entry")
         listener.process.send_signal(signal.SIGINT)
         listener.end()

@@ -66,10 +66,11 @@ def play(folder, handler=http.server.SimpleHTTPRequestHandler):
     return {value: time for value, time in felt.items() if value in CUES and value != FIRST}, asked
 
 
-def expect_felt(levels, offset):
-    """A loaded machine drops frames, so that a cue is felt later within its length; a wrong time would shift all."""
+def expect_felt(levels, offset, cues):
+    """A loaded machine drops frames, so that a cue is felt later within its length, or not; a wrong time would shift all."""
+    assert 2 * len(levels) >= cues, (cues, levels)
     late = [time + offset - CUES[value] for value, time in levels.items()]
-    assert late and all(-0.001 <= each < LENGTH for each in late) and min(late) <= FRAME, (offset, levels)
+    assert all(-0.001 <= each < LENGTH for each in late) and min(late) <= FRAME, (offset, levels)
 
 
 track = work / "track.csv"
@@ -93,7 +94,7 @@ for segments in "mpegts", "fmp4":
     again = run(os.environ["TRACK"], "diff", film / "tactile.ahap", track)
     assert again == "", again
     levels, requests = play(film)
-    expect_felt(levels, 0)
+    expect_felt(levels, 0, sum(begin < SHORT for value, begin in CUES.items() if value != FIRST))
     assert f"/tactile/{SHORT - 1}.vtt" in requests, requests
 
 # Live: each time that the player asks for the playlist, the film is a segment longer, and the track with it.
@@ -132,7 +133,8 @@ assert requests.count("/tactile/index.m3u8") > 1, requests
 assert f"/tactile/{len(parts) - 2}.vtt" in requests, requests
 # A live film begins with one of its segments.
 offset = round(sum(CUES[value] - time for value, time in levels.items()) / len(levels) / SEGMENT) * SEGMENT
-expect_felt(levels, offset)
+# The player joins three segments before the end of what is there, and may miss the last one.
+expect_felt(levels, offset, sum(SEGMENT <= begin < (len(parts) - 1) * SEGMENT for begin in CUES.values()))
 
 # The picture begins 1.5 s after the sound: 0:00 is that of the sound.
 film = work / "late"

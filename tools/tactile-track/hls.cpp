@@ -127,13 +127,13 @@ update(const Stream &stream, const tactile::Track &track, const std::deque<tacti
 
 /// Throws std::runtime_error if files of others would be replaced.
 void
-expect_own(const Stream &stream, const fs::path &ahap)
+expect_own(const fs::path &folder, const fs::path &ahap)
 {
   std::error_code error;
-  const auto index = files::read((stream.folder / "index.m3u8").string(), kMostPlaylist);
+  const auto index = files::read((folder / "index.m3u8").string(), kMostPlaylist);
   if (index && hls::read_rendition(*index))
     return;
-  for (const fs::path &path : { ahap, stream.folder })
+  for (const fs::path &path : { ahap, folder })
     if (fs::exists(path, error) && !fs::is_empty(path, error))
       throw std::runtime_error("'" + path.string()
                                + "' is not of an earlier call; expected none, or --force");
@@ -165,43 +165,43 @@ stream_hls(int argc, char **argv)
         .most = 2,
         .force_help = "Replace files and haptics that are not of an earlier call" });
   const fs::path playlist = names[0];
-  const Stream stream{
-    .variant = playlist.parent_path()
-               / valid(hls::first_variant(read_text(playlist)).and_then(hls::path_of), playlist),
-    .folder = playlist.parent_path() / kFolder
-  };
+  const fs::path folder = playlist.parent_path() / kFolder;
   std::string address = valid(hls::checked_address(url.text()), "--url");
   if (!address.empty() && !address.ends_with('/'))
     address += '/';
   const fs::path ahap = playlist.parent_path() / kAhap;
   if (!common.force)
-    expect_own(stream, ahap);
+    expect_own(folder, ahap);
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const std::deque<tactile::Cue> cues = tactile::cues_of(track);
   const SignalsStop stop;
-  fs::create_directory(stream.folder);
-  // An encoder's playlist may be missing or half written for a moment.
+  fs::create_directory(folder);
+  // An encoder's playlists may be missing or half written for a moment, and it may write the
+  // multivariant one anew.
   constexpr gulong kPause = 200'000; // µs
   constexpr int kMostFaults = 150;
   bool is_begun = false;
   bool is_ended = false;
   for (int faults = 0; !is_begun || (live && !is_ended);) {
     try {
-      is_ended = update(stream, track, cues, !is_begun);
+      const fs::path variant
+          = playlist.parent_path()
+            / valid(hls::first_variant(read_text(playlist)).and_then(hls::path_of), playlist);
+      const bool has_ended
+          = update({ .variant = variant, .folder = folder }, track, cues, !is_begun);
+      // A pattern from 0:00 on fits no viewer who joins a live stream.
+      if (has_ended)
+        write_track_file(track, ahap.string());
+      write_changed(valid(hls::with_track(read_text(playlist), std::string(kFolder) + "/index.m3u8",
+                                          has_ended ? address + kAhap : "", common.force),
+                          playlist),
+                    playlist);
+      is_begun = true;
+      is_ended = has_ended;
       faults = 0;
     } catch (const std::runtime_error &) {
       if (!live || ++faults > kMostFaults)
         throw;
-    }
-    if (faults == 0 && !std::exchange(is_begun, true)) {
-      // A pattern from 0:00 on fits no viewer who joins a live stream.
-      if (is_ended)
-        write_track_file(track, ahap.string());
-      // An encoder may have written the playlist anew.
-      write_changed(valid(hls::with_track(read_text(playlist), std::string(kFolder) + "/index.m3u8",
-                                          is_ended ? address + kAhap : "", common.force),
-                          playlist),
-                    playlist);
     }
     if (live && !is_ended) {
       g_usleep(kPause);

@@ -226,8 +226,10 @@ read_segments(std::string_view playlist)
 Read<Rendition>
 begun(Segments now)
 {
-  if (now.sequence > 0 && !now.is_ended && now.type != "EVENT")
-    return expected("a live stream from its first segment on, got segment "
+  // With a type, no segment has left the playlist.
+  if (now.sequence > 0 && now.type.empty())
+    return expected("a film's first segments, got a playlist without a type that begins with "
+                    "segment "
                     + std::to_string(now.sequence) + "; start tactile-track with the stream");
   return Rendition{ .segments = std::move(now) };
 }

@@ -117,7 +117,9 @@ diff(int argc, char **argv)
   gdouble tolerance = 0;
   const GOptionEntry entries[]
       = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
-            "Ignore differences of levels up to so many percent (default: 0)", "PERCENT" },
+            "Ignore differences of levels up to so many percent, and with them of half a hertz "
+            "(default: 0)",
+            "PERCENT" },
           {} };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
@@ -150,7 +152,8 @@ diff(int argc, char **argv)
         if (std::abs(before - after) > tolerance / 100)
           std::printf("  r%dc%d %.0f > %.0f", row, column, 100 * before, 100 * after);
       }
-    if (difference.before.frequency != difference.after.frequency)
+    if (!tactile::is_same_frequency(difference.before, difference.after,
+                                    static_cast<float>(tolerance)))
       std::printf("  %g > %g Hz", static_cast<double>(difference.before.frequency),
                   static_cast<double>(difference.after.frequency));
     std::printf("\n");

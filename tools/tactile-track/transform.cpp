@@ -93,7 +93,7 @@ add_lost_frequencies(const Track &track, const Track &written, std::vector<std::
     is_rounded |= before > 0 && std::abs(before - after) > kLeastLoss;
     if (before > 0 && std::abs(before - after) >= 1 && other.empty())
       other = std::to_string(std::lround(before)) + " Hz, which is "
-              + std::to_string(std::lround(after)) + " Hz";
+              + (after > 0 ? std::to_string(std::lround(after)) + " Hz" : "none");
   }
   if (!other.empty())
     lost.push_back("some frequencies, such as " + other);

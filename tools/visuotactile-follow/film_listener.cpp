@@ -87,7 +87,8 @@ FilmListener::listen()
     if (!stops())
       hear();
   } catch (const std::exception &error) {
-    post({ .gone = error.what() });
+    // A file that cannot be decoded never can; entries may come later.
+    post({ .ended = catalogue_ && is_sound_file(settings_.source), .gone = error.what() });
   }
 }
 
@@ -96,18 +97,22 @@ FilmListener::load()
 {
   std::vector<std::string> complaints;
   auto entries = library::heard_entries(settings_.library, complaints, stop_);
+  if (stops())
+    return;
   auto catalogue = std::make_shared<const listen::Catalogue>(
       std::move(entries), listen::Catalogue::kMostBytes, [this] { return stops(); });
   if (stops())
     return;
+  if (catalogue->films().empty()) // it is the same error, reported once, each time
+    throw std::runtime_error(
+        !complaints.empty()
+            ? "no film can be listened for: " + complaints.front()
+            : "expected entries of films (*.heard) in the library of --tracks, got none in '"
+                  + settings_.library + "'; make them with tactile-track learn");
   for (const std::string &complaint : complaints)
     post({ .said = complaint });
   for (const std::string &complaint : catalogue->complaints())
     post({ .said = complaint });
-  if (catalogue->films().empty())
-    throw std::runtime_error(
-        "expected entries of films (*.heard) in the library of --tracks, got none in '"
-        + settings_.library + "'; make them with tactile-track learn");
   catalogue_ = std::move(catalogue);
   post({ .loaded = catalogue_ });
 }
@@ -134,7 +139,7 @@ FilmListener::hear()
     throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
                              + start_error(bus.get()));
   post({ .said = "listens to " + source_name(settings_.source) + " for "
-                 + std::to_string(catalogue_->films().size())
+                 + std::to_string(catalogue_->index().films())
                  + " films; sound is neither stored nor sent" });
   listen::Listener listener(*catalogue_, kRate);
   auto *sound = GST_APP_SINK(sink.get());

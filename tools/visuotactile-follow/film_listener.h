@@ -33,7 +33,8 @@ public:
     std::function<void(const std::string &)> said;
     /// The catalogue was loaded. It can be used by the next listener.
     std::function<void(std::shared_ptr<const listen::Catalogue>)> loaded;
-    std::function<void()> ended; ///< a file was heard to its end: events.gone follows, for good
+    /// A file was heard to its end, or cannot be decoded: events.gone follows, for good.
+    std::function<void()> ended;
   };
 
   /// Without a catalogue, one is loaded.
@@ -49,7 +50,7 @@ public:
   }
   follow::Habits habits() const override
   {
-    return { .coarseness = 2 * kError };
+    return kHabits;
   }
   bool yields() const override
   {
@@ -62,6 +63,7 @@ public:
 
   /// Largest error of a position in a room.
   static constexpr follow::Time kError = std::chrono::milliseconds(10);
+  static constexpr follow::Habits kHabits{ .coarseness = 2 * kError };
   /// The report, at local time `now`, of a film that was heard. Habits round positions down, so it
   /// is early by kError.
   static follow::Report report(const listen::Heard &heard, std::string film, follow::Time latency,

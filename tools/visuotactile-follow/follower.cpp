@@ -206,6 +206,7 @@ Follower::look_for_sound()
                              .ended =
                                  [this] {
                                    listens_ = false;
+                                   catalogue_.reset();
                                  } };
   add(kSound, std::make_unique<FilmListener>(*settings_.listens, events_of(kSound),
                                              std::move(calls), catalogue_));
@@ -401,6 +402,7 @@ Follower::rest(bool rests, const std::string &why)
         current_ = nullptr;
       players_.erase(sound);
     }
+    catalogue_.reset(); // it may have changed when somebody returns
     tell("nothing is felt: " + why);
   } else {
     tell("the chair is used again");
@@ -450,9 +452,13 @@ Follower::tick()
     current_->player->ask();
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
+  const bool others_play = std::ranges::any_of(players_, [](const auto &one) {
+    return one.first != kSound && !one.second.is_gone && one.second.has_played;
+  });
   const bool has_left = std::ranges::any_of(players_, [&](const auto &one) {
-    // A listener that failed tries again, and one that has heard all is not the only one perhaps.
-    return one.second.is_gone && (one.first != kSound || (!listens_ && players_.size() == 1));
+    // A listener that failed tries again. A file that has ended is the end unless a player has
+    // played, too.
+    return one.second.is_gone && (one.first != kSound || (!listens_ && !others_play));
   });
   std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
   if (has_left && settings_.once)

@@ -49,8 +49,10 @@ void
 print_damaged(const char *program, const Folder &folder)
 {
   for (const auto &[name, why] : folder.damaged())
-    print_error(program, name + " is left out: " + why
-                             + "; put back a copy of the file, or forget the participant");
+    print_error(program,
+                name + " is left out: " + why
+                    + "; put back a copy of the file, or forget the participant: the next one "
+                      "who starts has the same order");
 }
 
 int

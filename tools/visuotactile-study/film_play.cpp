@@ -245,13 +245,17 @@ FilmPlay::end(Outcome outcome, const std::string &text)
 {
   watch_ = 0;
   // Motors to zero before all that may take its time: an audio server may hang. The other sinks go
-  // on, as the picture's loses its counts when it pauses.
+  // on, as the picture's loses its counts when it pauses. Locked, as a bin that plays sets a child
+  // that has paused to PLAYING again.
+  gst_element_set_locked_state(chair_.get(), TRUE);
   gst_element_set_state(chair_.get(), GST_STATE_PAUSED);
   if (noise_) {
     const Owned<GstBus> bus(gst_element_get_bus(noise_.get()));
-    if (GstMessage *error = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
+    // Without a sound card, autoaudiosink posts a warning and plays to nobody.
+    if (GstMessage *fault = gst_bus_pop_filtered(
+            bus.get(), static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING))) {
       result_.doubts.emplace_back(kNoNoise);
-      gst_message_unref(error);
+      gst_message_unref(fault);
     }
   }
   noise_.reset();
@@ -265,6 +269,7 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     } catch (const std::runtime_error &error) {
       result_.chair = error.what();
     }
+  gst_element_set_state(chair_.get(), GST_STATE_NULL); // before the film's sound, which may hang
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
   if (motors_may_run(chair_.get()))
     result_.chair = "the motors may still be on";
@@ -304,10 +309,11 @@ add_defaults(study::Settings &settings, const study::Settings &defaults)
 {
   const bool has_driver = setting(settings, "driver", setting(defaults, "driver", "auto").c_str())
                           == setting(defaults, "driver", "auto");
+  const bool has_grid = settings.contains("rows") || settings.contains("columns");
   for (const auto &[name, value] : defaults) {
-    const bool of_driver = name == "device" || name == "mapping" || name == "calibration"
-                           || name == "rows" || name == "columns";
-    if (has_driver || !of_driver)
+    const bool of_grid = name == "rows" || name == "columns" || name == "mapping";
+    const bool of_driver = of_grid || name == "device" || name == "calibration";
+    if ((has_driver || !of_driver) && !(has_grid && of_grid))
       settings.emplace(name, value);
   }
 }

@@ -29,7 +29,7 @@ const StudySite::Route StudySite::kRoutes[] = {
   { false, "events", "GET", &StudySite::events },
   { false, "step", "POST", &StudySite::step },
   { false, "play", "POST", &StudySite::play },
-  { true, "play", "POST", &StudySite::play },
+  { true, "play", "POST", &StudySite::play_film },
   { true, "overview", "GET", &StudySite::overview },
   { true, "events", "GET", &StudySite::all_events },
   { true, "act", "POST", &StudySite::act },
@@ -194,6 +194,16 @@ StudySite::step(SoupServerMessage *message, std::string_view body)
 
 void
 StudySite::play(SoupServerMessage *message, std::string_view body)
+{
+  // A page that had no answer sends it again.
+  if (phase() == study::Phase::failed)
+    return answer_error(message, 409, "the experimenter decides about a film that was cut off",
+                        "\"state\": " + state_json());
+  play_film(message, body);
+}
+
+void
+StudySite::play_film(SoupServerMessage *message, std::string_view body)
 {
   const json::ObjectText text(body);
   const std::string name = json::whole_text(text.object(), "step");

@@ -52,6 +52,7 @@ private:
   void all_events(SoupServerMessage *message, std::string_view body);
   void step(SoupServerMessage *message, std::string_view body);
   void play(SoupServerMessage *message, std::string_view body);
+  void play_film(SoupServerMessage *message, std::string_view body);
   void act(SoupServerMessage *message, std::string_view body);
 
   study::Phase phase() const;

@@ -64,7 +64,8 @@ gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
   for (gsize i = 0; there != NULL && i < n_levels; i++)
     levels[i] = MAX(levels[i], there->levels[i]);
   placed = gst_buffer_add_tactile_meta(dest, rows, columns, levels, n_levels);
-  ((TactileMeta *)placed)->frequency = frequency;
+  if (placed != NULL)
+    ((TactileMeta *)placed)->frequency = frequency;
   g_free(levels);
   return placed;
 }
@@ -83,7 +84,8 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   if (GST_META_TRANSFORM_IS_COPY(type) || GST_VIDEO_META_TRANSFORM_IS_SCALE(type)) {
     other = gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
                                         (gsize)self->rows * self->columns);
-    ((TactileMeta *)other)->frequency = ((const TactileMeta *)meta)->frequency;
+    if (other != NULL) /* the source has no map, as after gst_buffer_add_meta() */
+      ((TactileMeta *)other)->frequency = ((const TactileMeta *)meta)->frequency;
   } else if (gst_tactile_placement_init(&placement, type, data, direction)) {
     if (placement.turns_by)
       direction = GST_VIDEO_ORIENTATION_IDENTITY;
@@ -362,7 +364,7 @@ gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
 
   g_return_if_fail(GST_IS_BUFFER(buffer));
   g_return_if_fail(gst_buffer_is_writable(buffer));
-  g_return_if_fail(frequency >= 0 && frequency <= 1000);
+  g_return_if_fail(frequency == 0 || (frequency >= 1 && frequency <= 1000));
 
   map = gst_buffer_get_tactile_meta(buffer);
   if (map != NULL) {

@@ -20,8 +20,7 @@ constexpr Time kHeardAt = 100s; ///< local time
 follow::PositionEstimator
 estimator()
 {
-  return follow::PositionEstimator(
-      { .habits = { .coarseness = 2 * FilmListener::kError } }); // as of FilmListener::habits()
+  return follow::PositionEstimator({ .habits = FilmListener::kHabits });
 }
 
 } // namespace

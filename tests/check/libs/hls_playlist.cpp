@@ -137,8 +137,10 @@ GST_END_TEST;
 GST_START_TEST(test_begun)
 {
   fail_unless(hls::begun(*hls::read_segments(media(0, 4))).has_value());
-  fail_unless(hls::begun(*hls::read_segments(media(1, 4, "#EXT-X-ENDLIST"))).has_value());
+  fail_unless(
+      hls::begun(*hls::read_segments(media(1, 4, "#EXT-X-PLAYLIST-TYPE:VOD\n"))).has_value());
   fail_if(hls::begun(*hls::read_segments(media(1, 4))).has_value());
+  fail_if(hls::begun(*hls::read_segments(media(1, 4, "#EXT-X-ENDLIST\n"))).has_value());
   // Segment 9 left when 10 became the first. It stays for its length and that of the playlist.
   fail_unless(hls::oldest_kept(*hls::read_segments(media(14, 4))) == 9);
 }

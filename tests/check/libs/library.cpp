@@ -7,8 +7,10 @@
 #include "library/web.h"
 #include "support/temporary_file.h"
 
+#include <fcntl.h>
 #include <fstream>
 #include <string>
+#include <sys/stat.h>
 
 #include <gst/check/gstcheck.h>
 
@@ -95,10 +97,12 @@ GST_END_TEST;
 GST_START_TEST(test_heard_cache)
 {
   const TemporaryFolder folder;
-  const auto now = std::filesystem::file_time_type::clock::now();
-  for (int i = 0; i < 6; i++)
-    std::filesystem::last_write_time(folder.file(std::to_string(i).c_str(), std::string(1000, 'x')),
-                                     now - std::chrono::hours(i));
+  for (int i = 0; i < 6; i++) {
+    const std::string path = folder.file(std::to_string(i).c_str(), std::string(1000, 'x'));
+    const timespec times[2] = { { .tv_sec = 1'000'000 - i, .tv_nsec = 0 }, // of access
+                                { .tv_sec = 1'000'000 + i, .tv_nsec = 0 } };
+    fail_unless(utimensat(AT_FDCWD, path.c_str(), times, 0) == 0);
+  }
   library::remove_unused(folder.path, { folder.file("5") }, 3500);
   for (int i = 0; i < 6; i++)
     fail_unless(std::filesystem::exists(folder.file(std::to_string(i).c_str()))
@@ -107,6 +111,27 @@ GST_START_TEST(test_heard_cache)
   library::remove_unused(folder.path, { folder.file("5"), folder.file("0") }, 0);
   fail_unless(std::filesystem::exists(folder.file("5")) && std::filesystem::exists(folder.file("0"))
               && !std::filesystem::exists(folder.file("1")));
+}
+GST_END_TEST;
+
+/// Another program that uses an entry of the cache takes it from nobody.
+GST_START_TEST(test_heard_used)
+{
+  const TemporaryFolder folder;
+  const auto bytes = listen::write_entry(
+      { .film = "a", .track_name = "a.csv", .track = "track", .sound = { .reference = { 1, 2 } } });
+  fail_unless(bytes.has_value());
+  const std::string path = folder.file("a.heard", *bytes);
+  const timespec times[2] = { { .tv_sec = 1000, .tv_nsec = 0 }, { .tv_sec = 1000, .tv_nsec = 0 } };
+  fail_unless(utimensat(AT_FDCWD, path.c_str(), times, 0) == 0);
+  const auto entry = listen::Entry::open(path);
+  fail_unless(entry.has_value());
+  library::mark_used(path);
+  struct stat found
+  {
+  };
+  fail_unless(stat(path.c_str(), &found) == 0 && found.st_atim.tv_sec > 1000);
+  fail_unless(entry->track() == "track" && entry->reference(0, 2).has_value());
 }
 GST_END_TEST;
 
@@ -135,6 +160,7 @@ library_suite()
   tcase_add_test(tests, test_hostile);
   tcase_add_test(tests, test_addresses);
   tcase_add_test(tests, test_heard_cache);
+  tcase_add_test(tests, test_heard_used);
   tcase_add_test(tests, test_heard_stop);
   suite_add_tcase(suite, tests);
   return suite;

@@ -100,6 +100,16 @@ GST_START_TEST(test_room)
 }
 GST_END_TEST;
 
+/// A listener that ends does not wait for its catalogue.
+GST_START_TEST(test_stops)
+{
+  const std::vector<listen::Entry> films{ unwrap(listen::Entry::of(entry("a", crowd(1, 3)))) };
+  fail_unless(listen::Catalogue(films).films().size() == 1);
+  const listen::Catalogue none(films, listen::Catalogue::kMostBytes, [] { return true; });
+  fail_unless(none.films().empty() && none.complaints().empty());
+}
+GST_END_TEST;
+
 static Suite *
 listen_bounds_suite()
 {
@@ -109,6 +119,7 @@ listen_bounds_suite()
   tcase_add_test(tcase, test_replaced);
   tcase_add_test(tcase, test_crowded);
   tcase_add_test(tcase, test_room);
+  tcase_add_test(tcase, test_stops);
   suite_add_tcase(suite, tcase);
   return suite;
 }

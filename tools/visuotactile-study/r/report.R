@@ -11,7 +11,11 @@ published_file <- arguments[2]
 with_marked <- arguments[3] == "with-marked"
 path <- function(name) file.path(folder, name)
 
-dictionary <- read.delim(path("dictionary.tsv"), quote = "", colClasses = "character")
+# Of the researcher alone, as the answers are; nothing of an earlier report stays.
+Sys.umask("077")
+invisible(file.remove(list.files(folder, "^(anova\\.csv|means\\.csv|report\\.(html|pdf)|figure(-[0-9]+)?\\.png)$", full.names = TRUE)))
+
+dictionary <- read.delim(path("dictionary.tsv"), quote = "", colClasses = "character", na.strings = character())
 entries <- function(what) dictionary[dictionary$what == what, ]
 label_of <- function(what, name, of = "") {
   found <- dictionary$label[dictionary$what == what & dictionary$name == name & (of == "" | dictionary$of == of)]
@@ -82,7 +86,7 @@ draw <- function(questions) {
     names <- vapply(groups, function(group) gsub(" ", "\n", label_of("level", group, if (is.null(along)) "" else along)), "")
     scale <- as.numeric(strsplit(label_of("scale", question), " ")[[1]])
     lower <- min(0, scale[1])
-    top <- max(scale[2], height + error, na.rm = TRUE)
+    top <- max(0, scale[2], height + error, na.rm = TRUE)
     all_bars <- unique(vapply(seq_len(nrow(means)), function(i) paste(vapply(others, function(name) label_of("level", as.character(means[[name]][i]), name), ""), collapse = ", "), ""))
     fills <- shades[(match(bars, all_bars) - 1) %% length(shades) + 1]
     at <- barplot(height, beside = TRUE, names.arg = names, ylim = c(lower, lower + (top - lower) * 1.18), col = fills, border = NA, ylab = values, main = question)
@@ -120,12 +124,13 @@ beside <- if (!is.null(published))
   data.frame(Question = published$question, Effect = published$effect, Published = trimws(paste(ifelse(published$value == "", "", paste(published$statistic, "=", published$value)), published$note)),
              Here = mapply(here, published$question, published$effect, published$statistic), check.names = FALSE)
 
-timing <- unique(sessions[c("participant", "session", "commands", "error_p50_ms", "error_p99_ms", "error_max_ms", "frames", "frames_dropped")])
+timed <- if (with_marked) sessions else sessions[!(sessions$participant %in% marked$participant), ]
+timing <- unique(timed[c("participant", "session", "commands", "error_p50_ms", "error_p99_ms", "error_max_ms", "frames", "frames_dropped")])
 timing[-(1:2)] <- lapply(timing[-(1:2)], as.numeric)
 with_commands <- timing[!is.na(timing$commands) & timing$commands > 0, ]
 texts <- answers[answers$state == "done" & answers$kind == "text" & answers$text != "", c("participant", "question", "text")]
 versions <- unique(sessions[c("study", "program", "gstreamer", "consent")])
-orders <- read.csv(path("orders.csv"), check.names = FALSE, colClasses = "character")
+orders <- read.csv(path("orders.csv"), check.names = FALSE, colClasses = "character", na.strings = character())
 
 facts <- c(
   sprintf("%d people are analyzed; %d finished, %d did not.", people, length(unique(done$participant)), sum(!(orders$state %in% "done"))),
@@ -141,7 +146,7 @@ facts <- c(
   sprintf("Analysis: %s, afex %s, emmeans %s. Repeated-measures ANOVA, type 3, degrees of freedom by Greenhouse and Geisser; generalized and partial eta squared; comparisons by Holm.", R.version.string, packageVersion("afex"), packageVersion("emmeans")))
 unanalyzed <- unlist(lapply(results, function(one) if (!is.null(one$why)) sprintf("%s: %s", one$question, one$why)))
 
-escape <- function(text) { for (pair in list(c("&", "&amp;"), c("<", "&lt;"), c(">", "&gt;"))) text <- gsub(pair[1], pair[2], text, fixed = TRUE); text }
+escape <- function(text) { for (pair in list(c("&", "&amp;"), c("<", "&lt;"), c(">", "&gt;"), c("\"", "&quot;"))) text <- gsub(pair[1], pair[2], text, fixed = TRUE); text }
 html_table <- function(data) {
   if (is.null(data) || nrow(data) == 0) return("")
   cells <- apply(data, 1, function(row) paste0("<tr>", paste0("<td>", escape(row), "</td>", collapse = ""), "</tr>"))
