@@ -124,7 +124,7 @@ def test_killed_in_the_middle():
         with Desk(film) as desk:
             assert desk.get("track").json["revision"] == answered
             if turn:
-                assert str(answered) + " edit" in desk.get("session").json["messages"][0]
+                assert str(answered) + " edit" in desk.get("session").json["news"][0]
             page = Page(desk, f"page{turn}")
             stop = threading.Timer(0.05 * (turn + 1), desk.process.kill)
             stop.start()
