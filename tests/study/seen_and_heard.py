@@ -217,7 +217,7 @@ def each_session_is_checked_before_the_first():
     with small_study() as folder:
         change(folder, ("[question Q1]", "[level touch on]\ndriver=nosuch\n[question Q1]"))
         answer = subprocess.run([os.environ["STUDY"], "run", folder, "--no-browser", "--no-window"], capture_output=True, text=True, timeout=100)
-        assert answer.returncode == 1 and "nosuch" in answer.stderr, answer.stderr
+        assert answer.returncode == 1 and "the settings of a session: driver is one of" in answer.stderr, answer.stderr
 
 
 TESTS = [each_session_is_checked_before_the_first, noise_is_heard_with_films_alone, films_cover_the_screen, the_chair_stops_first]

@@ -306,7 +306,12 @@ FilmPlay::end(Outcome outcome, const std::string &text)
 void
 expect_playable(const std::string &film, const study::Settings &settings)
 {
-  expect_driver(setting(settings, "driver", "auto"), kAudio);
+  try {
+    expect_driver(setting(settings, "driver", "auto"), kAudio);
+  } catch (const UsageError &error) {
+    throw std::runtime_error("the settings of a session: "
+                             + std::string(error.what()).substr(2)); // without the --
+  }
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
 }

@@ -6,6 +6,8 @@
 
 #include "files/whole_file.h"
 #include "film/command_line.h"
+#include "film/device_list.h"
+#include "film/known_driver.h"
 #include "film/or_throw.h"
 #include "web/browser.h"
 #include "web/server.h"
@@ -144,8 +146,10 @@ run_study(int argc, char **argv)
   const auto folder = or_throw(study::Folder::open(arguments[0], study::Folder::Use::writes));
   print_damaged(kProgram, *folder);
   study::Settings overrides;
-  if (driver.is_set())
+  if (driver.is_set()) {
+    expect_driver(driver.text(), kAudio);
     overrides["driver"] = driver.text();
+  }
   const study::Settings defaults = user_defaults(kProgram);
   expect_films(*folder, overrides, defaults);
   const bool window = !no_window && can_show_films();
