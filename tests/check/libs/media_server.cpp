@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Sessions in the form of the public API descriptions of Jellyfin, Emby and Plex, and how exactly a position is known from them.
+// Sessions in the form of the public API descriptions of Jellyfin, Emby and Plex, and how exactly a
+// position is known from them.
 #include "follow/players/media_server.h"
 #include "follow/position_estimator.h"
 
@@ -59,7 +60,8 @@ struct Result
   int gaps = 0; ///< moments without a position later
 };
 
-/// A film from 0:00 on at local time 100 s for a minute. `told` is the position that the server has at a time of the film.
+/// A film from 0:00 on at local time 100 s for a minute. `told` is the position that the server has
+/// at a time of the film.
 template <typename Told>
 Result
 follow_film(ServerKind kind, Told told)
@@ -191,8 +193,8 @@ GST_START_TEST(test_strange_answers)
 }
 GST_END_TEST;
 
-/// The server adds a second after each second that its timer, 3 ms late, has counted; the player reports each 10 s. The delay of its reports cannot be
-/// known.
+/// The server adds a second after each second that its timer, 3 ms late, has counted; the player
+/// reports each 10 s. The delay of its reports cannot be known.
 GST_START_TEST(test_seconds)
 {
   for (const Time late : { 0ms, 3ms })
