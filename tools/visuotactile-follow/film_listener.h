@@ -52,9 +52,13 @@ public:
   {
     return kHabits;
   }
-  bool yields() const override
+  follow::Source source() const override
   {
-    return true;
+    return follow::Source::listener;
+  }
+  bool is_announced() const override
+  {
+    return false;
   }
   std::shared_ptr<const tactile::Track> track() const override
   {

@@ -3,6 +3,8 @@
 
 #include "files/regular_file.h"
 
+#include <glib/gstdio.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -95,6 +97,27 @@ PlayerTiming::sound_latency(const std::string &kind) const
   return number(kind, "sound-latency");
 }
 
+std::optional<ServerSettings>
+PlayerTiming::server(follow::ServerKind kind) const
+{
+  const auto text = [&](const char *key) -> std::string {
+    g_autofree gchar *value = g_key_file_get_string(file_.get(), name_of(kind), key, nullptr);
+    return value != nullptr ? value : "";
+  };
+  ServerSettings settings{
+    .kind = kind, .address = text("server"), .token = text("token"), .device = text("device")
+  };
+  return !settings.address.empty() && !settings.token.empty() ? std::optional(std::move(settings))
+                                                              : std::nullopt;
+}
+
+bool
+PlayerTiming::is_public() const
+{
+  GStatBuf status;
+  return g_stat(path_.c_str(), &status) == 0 && (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
+}
+
 double
 PlayerTiming::offset(const std::string &kind) const
 {
@@ -111,6 +134,10 @@ PlayerTiming::set_offset(const std::string &kind, double offset)
   if (g_mkdir_with_parents(folder, 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + std::string(folder)
                              + "': " + g_strerror(errno));
-  if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
+  gsize length = 0;
+  g_autofree gchar *text = g_key_file_to_data(file_.get(), &length, nullptr);
+  constexpr int kOnlyUser = 0600;
+  if (!g_file_set_contents_full(path_.c_str(), text, static_cast<gssize>(length),
+                                G_FILE_SET_CONTENTS_CONSISTENT, kOnlyUser, &error))
     throw std::runtime_error("cannot write '" + path_ + "': " + error->message);
 }

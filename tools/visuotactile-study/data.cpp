@@ -10,6 +10,8 @@
 #include "study/table.h"
 #include "web/kept_secrets.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -39,6 +41,17 @@ write_private(const std::string &path, const std::string &text)
 {
   if (const std::string warning = write_private_file(path, text); !warning.empty())
     print_error(kProgram, warning);
+}
+
+std::string
+expect_factor(const TextOption &factor, const study::Study &study)
+{
+  const std::string wanted
+      = factor.text(study.factors.empty() ? "" : study.factors.front().name.c_str());
+  if ((factor.is_set() || !study.factors.empty())
+      && std::ranges::find(study.factors, wanted, &study::Factor::name) == study.factors.end())
+    throw UsageError("expected --factor=NAME, a factor of the study, got '" + wanted + "'");
+  return wanted;
 }
 
 void
@@ -159,6 +172,11 @@ simulate(int argc, char **argv)
                              + "' has data; expected a study without participants");
   if (people < 0 || people > 1000)
     throw UsageError("--people is a whole number from 1 to 1000");
+  if (!std::isfinite(effect))
+    throw UsageError("--effect is a number");
+  if (!std::isfinite(spread) || spread < 0)
+    throw UsageError("--spread is a number from 0");
+  expect_factor(factor, folder->study());
   study::Simulation simulation{ .seed = static_cast<std::uint64_t>(seed),
                                 .factor = factor.text(),
                                 .effect = effect,
