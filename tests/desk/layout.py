@@ -99,7 +99,7 @@ def tools_are_buttons_with_keys(driver):
         page = Page(driver, desk)
         pressed = lambda: [each.get_attribute("data-tool") for each in page.all("[data-tool][aria-pressed=true]")]
         assert pressed() == ["draw"]
-        for key, tool in zip("qbxd", ("select", "paint", "cut", "draw")):
+        for key, tool in zip("qbhxd", ("select", "paint", "curve", "cut", "draw")):
             page.keys("j", key)
             assert pressed() == [tool], tool
         page.click("[data-tool=cut]")

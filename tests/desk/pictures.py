@@ -6,34 +6,27 @@ Usage: pictures.py FILM FOLDER      expects the environment of desk_page.py; wri
 """
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
 from selenium.webdriver.common.keys import Keys
 
 from chromium import chromium
-from desk_page import Desk, HEADER, Page, cue
+from desk_page import Desk, HEADER, Listener, Page, cue
 
 EVENTS = [cue(900, 1300, {4: 60}, ["the door opens"]), cue(2000, 2400, {3: 40}), cue(2400, 2800, {3: 65, 4: 30}), cue(2800, 3200, {3: 90, 4: 50}),
           cue(5200, 8000, {0: 70, 1: 70, 2: 70, 3: 60, 5: 60}), cue(8600, 9000, {7: 80}), cue(11000, 11900, {1: 100}), cue(13000, 13300, {8: 55})]
-SIZES = {"small": (1366, 768, 1), "large": (1920, 1080, 1), "double": (1280, 800, 2)}
+LIGHT, DARK = "light", "dark"
+SMALL, LARGE, DOUBLE = (1366, 768, 1), (1920, 1080, 1), (1280, 800, 2)  # width, height, scale
 
 
-def dark(driver, on):
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark" if on else "light"}]})
-
-
-def size(driver, name):
-    width, height, scale = SIZES[name]
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width // scale, "height": height // scale, "deviceScaleFactor": scale, "mobile": False})
-
-
-def picture(page, path):
-    page.js("document.getElementById('timeline').getBoundingClientRect()")
-    page.driver.execute_async_script("const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()))")
-    page.driver.save_screenshot(str(path))
-    print(path, flush=True)
+def shown(page, size, colors=LIGHT):
+    """The page at a size, in colors, as soon as it is drawn."""
+    width, height, scale = size
+    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": colors}]})
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width // scale, "height": height // scale, "deviceScaleFactor": scale, "mobile": False})
+    for _ in range(3):
+        page.driver.execute_async_script("const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()))")
 
 
 def main():
@@ -45,14 +38,31 @@ def main():
         copy.with_suffix(".vtt").write_text(HEADER + "".join(EVENTS), encoding="utf-8")
         with Desk(copy) as desk:
             page = Page(driver, desk)
-            page.wait("thumbnails", lambda: page.js("return performance.getEntriesByType('resource').some((e) => e.name.includes('thumbnail?'))"))
+            listener = Listener(desk, "pictures", writes=False)
+            page.wait("thumbnails, sound and the draft", lambda: listener.last("progress") and (listener.last("progress")["strip"], listener.last("progress")["draft"]) == (1, 1))
+            listener.leave()
+            page.load()
+            page.may_write()
             page.go_to(2500)
-            page.keys("j", "i", "o", Keys.ESCAPE)
-            for screen in SIZES:
-                size(driver, screen)
-                for on in (False, True):
-                    dark(driver, on)
-                    picture(page, folder / f"{screen}-{'dark' if on else 'light'}.png")
+            page.keys("j", *[Keys.ARROW_DOWN] * 3, Keys.ENTER, "w")
+            page.wait("thumbnails", lambda: page.js("return performance.getEntriesByType('resource').filter((e) => e.name.includes('thumbnail?')).length > 5"))
+
+            def picture(name, size, colors=LIGHT):
+                shown(page, size, colors)
+                driver.save_screenshot(str(folder / f"{name}.png"))
+                print(folder / f"{name}.png", flush=True)
+
+            picture("light", SMALL)
+            picture("dark", LARGE, DARK)
+            picture("large", DOUBLE)
+            page.click("[data-tool=curve]")
+            picture("curve", SMALL)
+            page.click("[data-tool=draw]")
+            page.keys("v")
+            picture("review", SMALL)
+            page.keys("v")
+            page.click("#full")
+            picture("full", SMALL, DARK)
 
 
 if __name__ == "__main__":

@@ -331,6 +331,14 @@ def tools(desk):
     equal((abs(start - 5000) < 40 + scale, abs(end - 7000) < 40 + scale), (True, True), f"painted from {start} to {end}")
     equal((levels == sorted(levels), levels[0] <= 10, levels[-1], len(levels) > 30), (True, True, 100, True), f"the level follows the pointer: {levels}")
     equal(desk.js("desk.history.undo()"), "Paint", "in one step")
+    desk.press("h")
+    desk.drag((desk.x(1500), desk.y(4)), (desk.x(1500), desk.y(4, 30)))
+    (_, _, end, levels), = [one for one in desk.felt() if one[:2] == (4, 1000)]
+    levels = [int(level) for level in levels.split()]
+    low = levels.index(min(levels))
+    equal((abs(min(levels) - 30) <= 4, levels[:low + 1] == sorted(levels[:low + 1], reverse=True), levels[low:] == sorted(levels[low:]), end),
+          (True, True, True, parts[0][2]), f"a point in the middle of an event bends it: {levels}")
+    equal(desk.js("desk.history.undo()"), "Curve", "in one step")
     desk.press("d", (Keys.SHIFT, "s"))
     desk.driver.execute_script("desk.timeline.seek(8000)")
     near = desk.x(8000) + 4

@@ -327,8 +327,8 @@ Routes::session(SoupServerMessage *message, std::string_view)
                   + ", \"review\": " + (settings_.review ? "true" : "false")
                   + ", \"draft\": " + (draft_.track() ? "true" : "false")
                   + ", \"chair\": " + chair_json() + ", \"limits\": " + limits_json()
-                  + ", \"messages\": " + texts_json(session_.messages())
-                  + ", \"news\": " + texts_json(session_.news()) + ", \"version\": \"" PACKAGE_VERSION "\"}");
+                  + ", \"messages\": " + texts_json(session_.messages()) + ", \"news\": "
+                  + texts_json(session_.news()) + ", \"version\": \"" PACKAGE_VERSION "\"}");
 }
 
 void

@@ -10,6 +10,7 @@ import { commandOf, keyTables, rememberSingleKeys } from './keys.js';
 import { Layout } from './layout.js';
 import { Limits } from './limits.js';
 import { drawMap } from './map_view.js';
+import { Minimap } from './minimap.js';
 import { fail, failed, say, tell } from './notices.js';
 import { OPERATIONS, request } from './operations.js';
 import { Panel, showWarnings } from './panel.js';
@@ -66,6 +67,7 @@ class Page {
     this.#listen();
     this.layout = new Layout(() => this.#showTime());
     new Toolbar(this.timeline);
+    new Minimap($('minimap'), this.timeline);
     this.#showWriter();
     this.#changed({ from: 0, to: this.history.track.end });
     if (session.review)

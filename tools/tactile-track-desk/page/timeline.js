@@ -3,7 +3,8 @@
  * The timeline: a row a cell, with events as high as their level, the draft as a shadow behind them,
  * the film's pictures, sound and shot cuts, and where motor limits are broken.
  *
- * Events: `seek` {ms, scrubbing}, `select` {selection}, `loop` {loop}, `level` {level}, `tool`, `view`.
+ * Events: `seek` {ms, scrubbing}, `select` {selection}, `loop` {loop}, `level` {level}, `tool`, `view`,
+ * `drawn`.
  *
  * @import {History} from './history.js'
  * @import {Track, Selection, Span} from './track.js'
@@ -28,6 +29,8 @@ export class Timeline extends EventTarget {
   cell = 0;
   /** What a gesture would make: Span[]. */
   ghost = [];
+  /** Points of a curve that a gesture would make, or null. */
+  points = null;
   hasFocus = false;
 
   /**
@@ -57,6 +60,7 @@ export class Timeline extends EventTarget {
   #draft = null;
   #warnings = [];
   #cuts = [];
+  #impacts = [];
   #peaks = new Uint8Array(0);
   #playhead = 0;
   #selection = null;
@@ -114,6 +118,7 @@ export class Timeline extends EventTarget {
       this.#drawn = null;
       this.painter.resize(this.view, devicePixelRatio);
       this.painter.paint(this);
+      this.#tell('drawn', {});
     });
   }
 
@@ -154,6 +159,16 @@ export class Timeline extends EventTarget {
 
   set cuts(cuts) {
     this.#cuts = cuts;
+    this.refresh();
+  }
+
+  /** Impacts in the sound, ms, in order. */
+  get impacts() {
+    return this.#impacts;
+  }
+
+  set impacts(impacts) {
+    this.#impacts = impacts;
     this.refresh();
   }
 
@@ -237,7 +252,7 @@ export class Timeline extends EventTarget {
     this.#tell('level', { level });
   }
 
-  /** For the pointer: 'select', 'draw', 'paint' or 'cut'. */
+  /** For the pointer: 'select', 'draw', 'paint', 'curve' or 'cut'. */
   get tool() {
     return this.#tool;
   }
@@ -245,6 +260,7 @@ export class Timeline extends EventTarget {
   set tool(tool) {
     this.#tool = tool;
     this.#tell('tool', {});
+    this.refresh();
   }
 
   /** Edges that are dragged snap to what is near. */

@@ -8,14 +8,16 @@
  * - the tool `draw`: on nothing, draws; on an event, moves it, its begin, its end or its level
  * - `select`: as `draw`, but on nothing selects, as each tool does with Shift
  * - `paint`: the level follows the pointer. `cut`: a click splits the event
+ * - `curve`: a drag puts or moves a point of the event's curve, a click with Ctrl takes it away
  * - wheel: scrolls the rows, or pans where all are in view; with Shift, or sideways: pans; with Ctrl:
  *   zooms around the pointer
  * - two fingers: zoom and pan; one finger on nothing pans
  */
+import { pointsOf, spansOf, withPoint } from './curves.js';
 import * as strokes from './strokes.js';
 import { firstAfter, formatTime } from './time.js';
 
-const CURSORS = { paint: 'crosshair', cut: 'col-resize', select: 'default', label: 'pointer',
+const CURSORS = { paint: 'crosshair', curve: 'crosshair', cut: 'col-resize', select: 'default', label: 'pointer',
   time: 'col-resize', empty: 'crosshair', begin: 'ew-resize', end: 'ew-resize', level: 'ns-resize', event: 'grab' };
 /** A pointer that moves less is a click, pixels. */
 const SLACK = 3;
@@ -98,6 +100,7 @@ export class TimelineGestures {
     if (part === 'time' || part === 'label') return part;
     if (shiftKey) return 'select';
     const { tool, readOnly } = this.timeline;
+    if (tool === 'curve' && part !== 'empty' && !readOnly) return tool;
     if (tool === 'cut' || (tool === 'paint' && !readOnly)) return tool;
     if (part === 'empty' && pointerType === 'touch') return 'pan';
     return readOnly || (tool === 'select' && part === 'empty') ? 'select' : part;
@@ -147,8 +150,8 @@ export class TimelineGestures {
   #snapped(ms) {
     const { timeline } = this;
     const near = timeline.snap ? SNAP * timeline.view.scale : -1;
-    const { cuts, playhead, loop } = timeline;
-    for (const place of [playhead, nearest(cuts, ms), loop?.from, loop?.to]) {
+    const { cuts, impacts, playhead, loop } = timeline;
+    for (const place of [playhead, nearest(cuts, ms), nearest(impacts, ms), loop?.from, loop?.to]) {
       if (place !== undefined && Math.abs(place - ms) <= near) return Math.round(place);
     }
     return Math.round(Math.min(Math.max(ms, 0), timeline.length));
@@ -174,6 +177,17 @@ export class TimelineGestures {
       const spans = [...drag.frames].sort(([a], [b]) => a - b).map(([index, level]) =>
         ({ cell, start: Math.round(index * frame), end: Math.round((index + 1) * frame), level }));
       this.#show('Paint', { from: spans[0].start, to: spans.at(-1).end, cells: [cell] }, spans,
+        () => strokes.paint(this.#track, spans));
+    },
+    curve: (drag, { x, y }) => {
+      const { view, frame } = this.timeline;
+      const { cell, event } = drag.hit;
+      drag.points ??= this.#pointsWithout(drag);
+      const ms = Math.min(Math.max(this.#snapped(view.ms(x)), event.start), event.end);
+      const points = withPoint(drag.points, ms, Math.max(view.levelAt(cell, y), 1), SNAP * view.scale);
+      this.timeline.points = points;
+      const spans = spansOf(cell, points, frame);
+      this.#show('Curve', { from: event.start, to: event.end, cells: [cell] }, spans,
         () => strokes.paint(this.#track, spans));
     },
     select: (drag, { x, y }) => { this.timeline.selection = this.#between(drag, x, y); },
@@ -219,6 +233,13 @@ export class TimelineGestures {
       () => strokes.addLevel(this.#track, source, by));
     },
   };
+
+  /** The points of an event, without the one that a drag has begun at. */
+  #pointsWithout({ hit: { event, ms } }) {
+    const points = pointsOf(this.#track, event);
+    const near = SNAP * this.timeline.view.scale;
+    return points.filter((point, i) => i === 0 || i === points.length - 1 || Math.abs(point.ms - ms) > near);
+  }
 
   #stretch(source, to) {
     const factor = (to.to - to.from) / (source.to - source.from);
@@ -266,6 +287,10 @@ export class TimelineGestures {
         const { from, to, cells } = timeline.selection ?? { from: 0, to: timeline.length };
         timeline.selection = { from, to, cells: rows(upTo && cells ? cells[0] : cell, cell) };
       }
+    } else if (kind === 'curve' && more) {
+      const spans = spansOf(cell, this.#pointsWithout({ hit: { event, ms } }), timeline.frame);
+      timeline.edit(strokes.paint(this.#track, spans), 'Curve');
+      return;
     } else if (kind === 'cut' && event) {
       timeline.splitAt(this.#snapped(ms), [cell]);
       return;
@@ -279,6 +304,7 @@ export class TimelineGestures {
 
   #end() {
     this.#drag = null;
+    this.timeline.points = null;
     this.timeline.ghost = [];
     this.timeline.refresh();
   }

@@ -12,6 +12,7 @@ export const KEYS = [
   { keys: ['Home', 'End'], does: 'To the begin, to the end' },
   { keys: ['Page Up', 'Page Down'], does: 'A screen back, forward' },
   { keys: ['C', 'Shift+C'], does: 'To the next, the last shot cut' },
+  { keys: ['U', 'Shift+U'], does: 'To the next, the last impact in the sound' },
   { keys: ['N', 'Shift+N'], does: 'To the next, the last warning' },
   { keys: ['Shift + one of the first five'], does: 'Selects up to there' },
   { keys: ['I', 'O'], does: 'The selection begins, ends at the playhead' },
@@ -33,7 +34,7 @@ export const KEYS = [
   { keys: ['L'], does: 'Loops the selection, or ends that' },
   { keys: ['Z', 'Shift+Z'], does: 'Zooms in, out' },
   { keys: ['W', 'Shift+W'], does: 'Zooms to the whole film, to the selection' },
-  { keys: ['Q', 'D', 'B', 'X'], does: 'The pointer selects, draws, paints, cuts' },
+  { keys: ['Q', 'D', 'B', 'H', 'X'], does: 'The pointer selects, draws, paints, bends levels, cuts' },
   { keys: ['Shift+S'], does: 'Edges snap to what is near, or not' },
 ];
 
@@ -98,7 +99,8 @@ export class TimelineKeys {
     i: () => this.#edge('from'),
     o: () => this.#edge('to'),
     l: () => this.#loop(),
-    c: (shift) => this.#cut(shift),
+    c: (shift) => this.#to(this.timeline.cuts, 'shot cut', shift),
+    u: (shift) => this.#to(this.timeline.impacts, 'impact in the sound', shift),
     n: (shift) => this.#warning(shift),
     z: (shift) => this.timeline.zoom(shift ? 1 / 1.5 : 1.5),
     w: (shift) => (shift ? this.timeline.showSelection() : this.timeline.show(0, this.timeline.length)),
@@ -106,6 +108,7 @@ export class TimelineKeys {
     d: () => this.#tool('draw'),
     b: () => this.#tool('paint'),
     x: () => this.#tool('cut'),
+    h: () => this.#tool('curve'),
   };
 
   #moves = {
@@ -171,10 +174,10 @@ export class TimelineKeys {
     this.#go(this.#track.nextEdge(cell, playhead, forward) ?? (forward ? length : 0), cell, shift);
   }
 
-  #cut(back) {
-    const { cuts, playhead, cell } = this.timeline;
-    const to = back ? cuts.findLast((ms) => ms < playhead) : cuts.find((ms) => ms > playhead);
-    if (to === undefined) this.timeline.say(back ? 'No shot cut before' : 'No shot cut after');
+  #to(times, name, back) {
+    const { playhead, cell } = this.timeline;
+    const to = back ? times.findLast((ms) => ms < playhead) : times.find((ms) => ms > playhead);
+    if (to === undefined) this.timeline.say(`No ${name} ${back ? 'before' : 'after'}`);
     else this.#go(to, cell, false);
   }
 

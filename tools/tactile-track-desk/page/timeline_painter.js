@@ -2,6 +2,7 @@
 /** Draws the timeline on a canvas. Colors are CSS variables, for light, dark and forced colors. */
 import { firstAfter, formatTime } from './time.js';
 import { cellName } from './track.js';
+import { pointsOf } from './curves.js';
 import { TimelineBars } from './timeline_bars.js';
 import { GUTTER, RULER, rulerStep } from './timeline_view.js';
 
@@ -55,8 +56,11 @@ export class TimelinePainter {
     context.clip();
     this.#rows(view);
     if (view.hasStrip) this.#strip(timeline);
-    if (view.hasWave) this.#wave(timeline);
-    this.#lines(view, timeline.cuts, colors.cut);
+    if (view.hasWave) {
+      this.#wave(timeline);
+      this.#lines(view, timeline.impacts, colors.event, [view.waveTop, 36]);
+    }
+    this.#lines(view, timeline.cuts, colors.cut, [RULER, view.height]);
     context.save();
     context.beginPath();
     context.rect(GUTTER, view.rowsTop, view.span, view.height - view.rowsTop);
@@ -67,6 +71,7 @@ export class TimelinePainter {
     this.#warnings(view, timeline.warnings);
     this.#selection(view, timeline);
     this.#ghost(view, timeline.ghost);
+    if (timeline.tool === 'curve') this.#curves(view, timeline);
     context.restore();
     this.#ruler(timeline);
     context.restore();
@@ -83,14 +88,14 @@ export class TimelinePainter {
     }
   }
 
-  #lines(view, times, color) {
+  #lines(view, times, color, [y, height]) {
     const { context } = this;
     context.fillStyle = color;
     let last = -9;
     for (let i = firstAfter(times, view.from); i < times.length && times[i] < view.to; i++) {
       const x = Math.round(view.x(times[i]));
       if (x < last + 3) continue; // cuts of a flashing film are no area
-      context.fillRect(x, RULER, 1, view.height);
+      context.fillRect(x, y, 1, height);
       last = x;
     }
   }
@@ -172,6 +177,28 @@ export class TimelinePainter {
       context.strokeRect(view.x(start), y, Math.max((end - start) / view.scale, 1), height);
     }
     context.setLineDash([]);
+  }
+
+  /** The points of the events in view, if they are not too many. */
+  #curves(view, { history: { track }, ghost, points }) {
+    const [first, last] = view.visibleCells;
+    for (let cell = first; cell < last; cell++) {
+      const events = [...track.events(cell, Math.floor(view.from), Math.ceil(view.to))];
+      if (events.length > view.span / 30) continue;
+      for (const event of events) this.#curve(view, cell, pointsOf(track, event));
+    }
+    if (points) this.#curve(view, ghost[0].cell, points);
+  }
+
+  #curve(view, cell, points) {
+    const { context, colors } = this;
+    const places = points.map(({ ms, level }) => [view.x(ms), view.bar(cell, level)[0]]);
+    context.strokeStyle = context.fillStyle = colors.text;
+    context.lineWidth = 1;
+    context.beginPath();
+    for (const [x, y] of places) context.lineTo(x, y);
+    context.stroke();
+    for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
   }
 
   #ruler({ view, history: { track }, loop }) {
