@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a participant sees and hears while a film plays: an X server's screens, and what PulseAudio's null sink is given. Expects STUDY in the environment.
+"""What a participant sees and hears while a film plays: an X server's screens, and what PulseAudio's null sink is given.
 
 Usage: seen_and_heard.py [TEST ...]
 """
