@@ -10,6 +10,8 @@
 #include "study/simulation.h"
 #include "study/table.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -43,6 +45,17 @@ write_private(const std::string &path, const std::string &text)
   umask(mask);
   if (const std::string warning = or_throw(written); !warning.empty())
     print_error(kProgram, warning);
+}
+
+std::string
+expect_factor(const TextOption &factor, const study::Study &study)
+{
+  const std::string wanted
+      = factor.text(study.factors.empty() ? "" : study.factors.front().name.c_str());
+  if ((factor.is_set() || !study.factors.empty())
+      && std::ranges::find(study.factors, wanted, &study::Factor::name) == study.factors.end())
+    throw UsageError("expected --factor=NAME, a factor of the study, got '" + wanted + "'");
+  return wanted;
 }
 
 void
@@ -163,6 +176,11 @@ simulate(int argc, char **argv)
                              + "' has data; expected a study without participants");
   if (people < 0 || people > 1000)
     throw UsageError("--people is a whole number from 1 to 1000");
+  if (!std::isfinite(effect))
+    throw UsageError("--effect is a number");
+  if (!std::isfinite(spread) || spread < 0)
+    throw UsageError("--spread is a number from 0");
+  expect_factor(factor, folder->study());
   study::Simulation simulation{ .seed = static_cast<std::uint64_t>(seed),
                                 .factor = factor.text(),
                                 .effect = effect,

@@ -42,7 +42,7 @@ function show(next) {
   document.body.dataset.ready = true;
   find('title').textContent = next.title;
   find('count').textContent = `${next.participants.filter((one) => one.state === 'done').length} of ${next.people} have finished`;
-  find('who').textContent = next.active ?? 'Nobody is in a session';
+  find('who').textContent = next.active ? [next.active, ...Object.values(next.group)].join(', ') : 'Nobody is in a session';
   find('step').textContent = step ? `${step.name}, step ${step.done + 1} of ${step.count + 1}${step.kind === 'film' ? `: ${step.phase}` : ''}` : '';
   find('start').disabled = Boolean(running);
   find('stop').disabled = step?.phase !== 'playing';
