@@ -19,7 +19,7 @@ std::string folder_of(const std::string &path);
 /// a folder cannot be written.
 bool sync_folder(const std::string &path);
 
-/// Who can read a file that replaces another one.
+/// Readers of a file that replaces another one.
 enum class Readers
 {
   as_before, ///< of the file that it replaces; else as the umask has it
