@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Makes the pictures of docs/measured/study.md: each page of a session, and the report's figure of data that were made to the paper's figures. By hand.
 
-Usage: pictures.py [FOLDER]      FOLDER: by default docs/images/study; in `meson devenv -C build`
+Usage: meson devenv -C build ../tests/study/pictures.py [FOLDER]      FOLDER: by default docs/images/study
 """
 import os
 import pathlib

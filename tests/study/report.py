@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The report of visuotactile-study against an independent computation: two-way within analysis of variance in closed form, Greenhouse and Geisser's
-correction, means and standard errors; data made to the paper's figures; marked sessions; power. Expects STUDY in the environment.
+correction, means and standard errors; data made to the paper's figures; marked sessions; power.
 
 Usage: report.py [TEST ...]
 """
@@ -165,6 +165,13 @@ def the_papers_conclusions(parent):
     page = (report / "report.html").read_text(encoding="utf-8")
     for text in ("<td>F(1,11) = 39.95 p &lt; .001</td><td>F(1, 11) = 39.95, p &lt; .001</td>", "89.00 (SE 2.68)", "60.00 (SE 5.48)"):
         assert text in page, text
+    # The paper's numbers beside this study's, on paper, too.
+    paper = subprocess.run(["pdftotext", "-layout", report / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+    beside = paper[paper.index("Published results beside"):paper.index("Analysis of variance")]
+    for question, f in PAPER_F.items():
+        assert re.search(rf"^{question} +cues +F\(1,11\) = {f} p < .001 +F\(1, 11\) = {f}, p < .001$", beside, re.MULTILINE), beside
+    for level, mean, error in (("static", 89, 2.68), ("real", 60, 5.48)):
+        assert re.search(rf"^QA +film={level} +mean = {mean} SE {error};.* {mean}.00 \(SE {error}\)$", beside, re.MULTILINE), beside
     if pictures := os.environ.get("PICTURES"):
         shutil.copytree(report, pictures, dirs_exist_ok=True)
 

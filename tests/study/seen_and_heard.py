@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a participant sees and hears while a film plays: an X server's screens, and what PulseAudio's null sink is given. Expects STUDY in the environment.
+"""What a participant sees and hears while a film plays: an X server's screens, and what PulseAudio's null sink is given.
 
 Usage: seen_and_heard.py [TEST ...]
 """
@@ -97,10 +97,10 @@ class Ear:
 
 @contextlib.contextmanager
 def theatre(noise):
-    """A study with a practice film of six seconds and long films; screens and a sound card."""
+    """A study with a practice film of three seconds and long films; screens and a sound card."""
     with small_study(buffers=3600, rate=1) as folder, contextlib.ExitStack() as stack:
         change(folder, ("film=film.mkv", f"film=film.mkv\nnoise={noise}\n[practice]\nfilm=short.mkv\n"))
-        run_gst(f"videotestsrc num-buffers=60 pattern=white ! video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! matroskamux ! filesink location={folder}/short.mkv")
+        run_gst(f"videotestsrc num-buffers=30 pattern=white ! video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! matroskamux ! filesink location={folder}/short.mkv")
         display = Display(folder)
         stack.callback(display.stop)
         yield folder, display, stack

@@ -76,7 +76,7 @@ def the_paper_study(driver):
         for row in rows:
             if row["session"] == "end":
                 continue
-            assert set(row["marks"].split()) <= {"not-shown", "simulated", "no-commands"}, row
+            assert set(row["marks"].split()) <= {"not-shown", "no-noise", "simulated", "no-commands"}, row
             assert row["state"] == "done" and row["consent"] == "1" and row["settings"] and row["program"] and row["gstreamer"]
             assert int(row["frames"]) + int(row["frames_dropped"]) > 0, row
             volts = volts_of(folder / "data" / row["trace"])
@@ -85,7 +85,7 @@ def the_paper_study(driver):
                 assert not any(volts)
             elif row["cues"] == "with" and row["film"] != "static":
                 assert any(volts), row
-        print(f"{people} people, {len(rows)} answers, {sum('late' in row['marks'] for row in rows)} in late sessions", flush=True)
+        print(f"{people} people, {len(rows)} answers, {sum('late' in row['marks'].split() for row in rows)} in late sessions", flush=True)
 
 
 def killed_at_every_page(driver):
@@ -157,6 +157,7 @@ def a_film_that_is_cut_off(driver):
         wait_until("the button", lambda: driver.find_element(By.ID, "again").is_enabled())
         driver.find_element(By.ID, "again").click()
         wait_until("the levels of the chair", lambda: driver.find_elements(By.CSS_SELECTOR, "#chair div"))
+        assert "playing, play 2" in driver.find_element(By.ID, "sessions").text
         picture(driver, "experimenter-film")
         driver.find_element(By.ID, "stop").click()
         wait_until("the end of the film", lambda: driver.find_element(By.ID, "go-on").is_enabled())

@@ -207,7 +207,7 @@ Follower::look_for_players()
 void
 Follower::look_for_servers()
 {
-  if (!settings_.uses_servers)
+  if (!settings_.uses_servers || players_.size() >= kMostPlayers)
     return;
   for (const follow::ServerKind kind : follow::kServerKinds) {
     const std::string key = name_of(kind);
@@ -227,7 +227,7 @@ Follower::look_for_servers()
 void
 Follower::look_for_sound()
 {
-  if (!listens_ || rests_ || lists_ || players_.contains(kSound)
+  if (!listens_ || rests_ || lists_ || players_.contains(kSound) || players_.size() >= kMostPlayers
       || !attempts_[kSound].retry.is_due(local_time()))
     return;
   FilmListener::Calls calls{ .said = [this](const std::string &text) { tell(text); },
@@ -262,7 +262,7 @@ Follower::missed_kodi(const std::string &why, bool is_other)
 void
 Follower::look_for_mpv()
 {
-  if (settings_.mpv_socket.empty() || players_.contains(kMpv))
+  if (settings_.mpv_socket.empty() || players_.contains(kMpv) || players_.size() >= kMostPlayers)
     return;
   auto player = follow::open_mpv(settings_.mpv_socket, events_of(kMpv));
   if (player)
@@ -384,6 +384,10 @@ Follower::change_film()
     return;
   film_ = film;
   position_ = follow::Time(0);
+  // Motors first: a slow disk may take its time.
+  track_.reset();
+  cues_.set_track(nullptr);
+  chair_.take(cues_.step({}, local_time(), chair_.ahead()));
   film_track_.open(film, current_ != nullptr ? current_->player->track() : nullptr);
 }
 

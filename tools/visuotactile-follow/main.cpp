@@ -155,7 +155,11 @@ read_command_line(int argc, char **argv, Options &options)
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
-  expect_ms("listen-latency", options.listen_latency);
+  if (!(std::abs(options.listen_latency) <= PlayerTiming::kMost))
+    throw UsageError("--listen-latency is a number of ms from -5000 to 5000");
+  if (options.listen && !options.tracks.is_set())
+    throw UsageError("--listen needs --tracks, with the folder or address of entries of films "
+                     "(tactile-track learn)");
   if (!sync_of(options.sync_to.text("screen")))
     throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
   if (options.server.is_set() && !server_of(options.server.text()))
@@ -229,7 +233,7 @@ run(const Options &options)
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set()
                    && !options.server.is_set();
   std::optional<FilmListener::Settings> listens;
-  if (options.listen)
+  if (options.listen && !options.list)
     listens = { .source = *options.listen,
                 .library = options.tracks.text(),
                 .latency = follow::Time(std::llround(options.listen_latency * 1e6)) };

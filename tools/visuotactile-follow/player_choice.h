@@ -8,7 +8,8 @@
 #include <span>
 
 /// Chooses the player that is followed: one that plays, of these one that reports its position,
-/// then what is heard, then what a media server reports coarsely. A paused film is prepared, so that it is felt from its first moment on.
+/// then what is heard, then what a media server reports coarsely. A paused film is prepared, so
+/// that it is felt from its first moment on.
 ///
 /// A listener notices some seconds late that a film has stopped. So it replaces a player only with
 /// a film that it has found in sound from after that player's last moment of play, or that it still

@@ -2,6 +2,7 @@
 #include "player_timing.h"
 
 #include "files/regular_file.h"
+#include "files/whole_file.h"
 
 #include <glib/gstdio.h>
 
@@ -130,14 +131,12 @@ PlayerTiming::set_offset(const std::string &kind, double offset)
   read();
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
-  g_autoptr(GError) error = nullptr;
   if (g_mkdir_with_parents(folder, 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + std::string(folder)
                              + "': " + g_strerror(errno));
   gsize length = 0;
   g_autofree gchar *text = g_key_file_to_data(file_.get(), &length, nullptr);
-  constexpr int kOnlyUser = 0600;
-  if (!g_file_set_contents_full(path_.c_str(), text, static_cast<gssize>(length),
-                                G_FILE_SET_CONTENTS_CONSISTENT, kOnlyUser, &error))
-    throw std::runtime_error("cannot write '" + path_ + "': " + error->message);
+  const auto written = files::replace_file(path_, { text, length }, files::Readers::user);
+  if (!written)
+    throw std::runtime_error("cannot write " + written.error());
 }

@@ -65,7 +65,8 @@ public:
   double offset(const std::string &kind) const;
 
   /// Limits the offset to kMost, and writes the file at once. Changes by the user in the meantime
-  /// are kept, and apply from then on. Only the user can read the file then. Throws std::runtime_error with the path.
+  /// are kept, and apply from then on. Only the user can read the file then. Throws
+  /// std::runtime_error with the path.
   void set_offset(const std::string &kind, double offset);
 
 private:

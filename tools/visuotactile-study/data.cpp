@@ -90,14 +90,20 @@ print_status(int argc, char **argv)
   }
   print_damaged(kProgram, *folder);
   unsigned done = 0;
+  const Participant *first = nullptr;
   std::string other_studies;
   for (const auto &one : folder->participants()) {
     done += one->state() == Participant::State::done ? 1 : 0;
+    if (one->state() == Participant::State::forgotten) {
+      std::printf("%-6s %s\n", one->name().c_str(), name_of(one->state()));
+      continue; // it had a study and a place
+    }
     std::printf("%-6s %-9s group %zu row %2zu  %zu of %zu steps%s%s\n", one->name().c_str(),
                 name_of(one->state()), one->place().group + 1, one->place().row + 1,
                 one->steps_done(), one->steps().size() - 1,
                 marks_of(*one).empty() ? "" : "  marked:", marks_of(*one).c_str());
-    if (one->study_sum() != folder->participants().front()->study_sum())
+    first = first ? first : one.get();
+    if (one->study_sum() != first->study_sum())
       other_studies += " " + one->name();
   }
   for (const auto &[name, why] : folder->damaged())

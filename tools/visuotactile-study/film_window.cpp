@@ -57,6 +57,10 @@ monitors()
   }
   if (infos)
     XRRFreeMonitors(infos);
+  if (found.empty()) // a server without RandR
+    found.push_back({ .name = "whole",
+                      .width = DisplayWidth(display.get(), DefaultScreen(display.get())),
+                      .height = DisplayHeight(display.get(), DefaultScreen(display.get())) });
   return found;
 }
 

@@ -53,7 +53,15 @@ p_of_study <- function(people) {
   y <- noise + matrix(means[level_of_cell], people, cells, byrow = TRUE)
   p_within(y %*% contrast, group)
 }
-power_of <- function(people) mean(replicate(studies, p_of_study(people)) < 0.05)
+known <- list() # by people: each is simulated and printed once
+power_of <- function(people) {
+  name <- as.character(people)
+  if (is.null(known[[name]])) {
+    known[[name]] <<- mean(replicate(studies, p_of_study(people)) < 0.05)
+    cat(sprintf("%4d people: power %.3f\n", people, known[[name]]))
+  }
+  known[[name]]
+}
 
 step <- max(groups, 1)
 people <- max(2 * groups, 4)
@@ -62,7 +70,6 @@ most <- 400
 cat(sprintf("An effect of %g points on %s (ratings with a standard deviation of %g, correlation %g), %d studies each:\n", effect, factors[of_effect, 1], spread, correlation, studies))
 repeat {
   power <- power_of(people)
-  cat(sprintf("%4d people: power %.3f\n", people, power))
   if (power >= wanted || people >= most)
     break
   people <- ceiling(max(people + 1, people * (if (power < wanted / 2) 1.5 else 1.1)) / step) * step
@@ -71,13 +78,8 @@ if (power < wanted) {
   cat(sprintf("more than %d people are needed\n", most))
 } else {
   # Back to the smallest that suffices.
-  while (people - step >= max(2 * groups, 3)) {
-    lower <- power_of(people - step)
-    cat(sprintf("%4d people: power %.3f\n", people - step, lower))
-    if (lower < wanted)
-      break
+  while (people - step >= max(2 * groups, 3) && power_of(people - step) >= wanted)
     people <- people - step
-  }
   row <- if (cells %% 2 == 0 || cells == 1) cells else 2 * cells
   whole <- ceiling(people / (row * groups)) * row * groups
   cat(sprintf("needed: %d people; with complete squares of orders: %d\n", people, whole))
