@@ -201,7 +201,7 @@ page. No user has compared them.
 | levels | blocks, painted, curves with points | points with lines between them | curves with points, frequency too | curves with points (keyframes) |
 | curves in the file | steps of a frame: points are found again within 3 %, corners within a frame | points | points | points |
 | wheel | pans; with Ctrl, zooms around the pointer | zooms around the playhead | zooms | pans; with Ctrl or Alt, zooms |
-| snaps to | playhead, shot cuts, impacts in the sound, loop | frames | none known | playhead, edges, markers |
+| snaps to | playhead, shot cuts, loop | frames | none known | playhead, edges, markers |
 | whole film | a map with levels, warnings and the view | a heat map | the whole clip | a zoom bar |
 | paint in real time | cells by mouse, keys or gamepad | keys or gamepad | none | none |
 | feel while editing | chair, gamepad | devices by extensions | headset | - |

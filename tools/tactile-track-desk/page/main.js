@@ -62,8 +62,7 @@ class Page {
     const { width, height } = session.film;
     if (width && height)
       document.querySelector('main').style.setProperty('--ratio', width / height);
-    session.messages.forEach(fail);
-    session.news.forEach(tell);
+    session.messages.forEach(tell);
     this.#listen();
     this.layout = new Layout(() => this.#showTime());
     new Toolbar(this.timeline);

@@ -25,7 +25,6 @@ export class Strip {
         desk.bytes(`sound?from=${this.#sound.length}`), desk.get('cuts')]);
       this.#strip = strip;
       this.#timeline.cuts = cuts.cuts;
-      this.#timeline.impacts = cuts.impacts ?? [];
       if (peaks.length) {
         this.#sound = this.#joined(peaks);
         this.#timeline.peaks = this.#sound;

@@ -60,7 +60,6 @@ export class Timeline extends EventTarget {
   #draft = null;
   #warnings = [];
   #cuts = [];
-  #impacts = [];
   #peaks = new Uint8Array(0);
   #playhead = 0;
   #selection = null;
@@ -159,16 +158,6 @@ export class Timeline extends EventTarget {
 
   set cuts(cuts) {
     this.#cuts = cuts;
-    this.refresh();
-  }
-
-  /** Impacts in the sound, ms, in order. */
-  get impacts() {
-    return this.#impacts;
-  }
-
-  set impacts(impacts) {
-    this.#impacts = impacts;
     this.refresh();
   }
 

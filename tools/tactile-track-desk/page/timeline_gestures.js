@@ -150,8 +150,8 @@ export class TimelineGestures {
   #snapped(ms) {
     const { timeline } = this;
     const near = timeline.snap ? SNAP * timeline.view.scale : -1;
-    const { cuts, impacts, playhead, loop } = timeline;
-    for (const place of [playhead, nearest(cuts, ms), nearest(impacts, ms), loop?.from, loop?.to]) {
+    const { cuts, playhead, loop } = timeline;
+    for (const place of [playhead, nearest(cuts, ms), loop?.from, loop?.to]) {
       if (place !== undefined && Math.abs(place - ms) <= near) return Math.round(place);
     }
     return Math.round(Math.min(Math.max(ms, 0), timeline.length));

@@ -56,11 +56,8 @@ export class TimelinePainter {
     context.clip();
     this.#rows(view);
     if (view.hasStrip) this.#strip(timeline);
-    if (view.hasWave) {
-      this.#wave(timeline);
-      this.#lines(view, timeline.impacts, colors.event, [view.waveTop, 36]);
-    }
-    this.#lines(view, timeline.cuts, colors.cut, [RULER, view.height]);
+    if (view.hasWave) this.#wave(timeline);
+    this.#lines(view, timeline.cuts, colors.cut);
     context.save();
     context.beginPath();
     context.rect(GUTTER, view.rowsTop, view.span, view.height - view.rowsTop);
@@ -88,14 +85,14 @@ export class TimelinePainter {
     }
   }
 
-  #lines(view, times, color, [y, height]) {
+  #lines(view, times, color) {
     const { context } = this;
     context.fillStyle = color;
     let last = -9;
     for (let i = firstAfter(times, view.from); i < times.length && times[i] < view.to; i++) {
       const x = Math.round(view.x(times[i]));
       if (x < last + 3) continue; // cuts of a flashing film are no area
-      context.fillRect(x, y, 1, height);
+      context.fillRect(x, RULER, 1, view.height);
       last = x;
     }
   }
