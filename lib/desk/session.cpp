@@ -140,8 +140,8 @@ Session::restore()
   const std::size_t count = replay(document_, content->entries, last_);
   revision_ = count;
   if (count > 0)
-    news_.push_back(edits(count) + " that had not been saved " + (count == 1 ? "was" : "were")
-                    + " restored from the journal");
+    messages_.push_back(edits(count) + " that had not been saved " + (count == 1 ? "was" : "were")
+                        + " restored from the journal");
   if (count == content->entries.size())
     return {};
   // The edits after a damaged line are lost for the track, but stay in a file.

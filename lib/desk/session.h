@@ -46,15 +46,10 @@ public:
   /// a text for the user.
   static tl::expected<std::unique_ptr<Session>, std::string> open(const std::string &path);
 
-  /// Faults that open() found, for the user.
+  /// Messages of open() for the user.
   const std::vector<std::string> &messages() const
   {
     return messages_;
-  }
-  /// Edits that open() restored, for the user.
-  const std::vector<std::string> &news() const
-  {
-    return news_;
   }
   const std::string &path() const
   {
@@ -109,7 +104,6 @@ private:
   std::uint64_t saved_ = 0;
   std::string last_; ///< page and name of the last edit
   std::vector<std::string> messages_;
-  std::vector<std::string> news_;
 };
 
 } // namespace desk

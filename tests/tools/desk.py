@@ -124,7 +124,7 @@ def test_killed_in_the_middle():
         with Desk(film) as desk:
             assert desk.get("track").json["revision"] == answered
             if turn:
-                assert str(answered) + " edit" in desk.get("session").json["news"][0]
+                assert str(answered) + " edit" in desk.get("session").json["messages"][0]
             page = Page(desk, f"page{turn}")
             stop = threading.Timer(0.05 * (turn + 1), desk.process.kill)
             stop.start()
@@ -254,9 +254,6 @@ def test_film_and_strip():
         wait_until("the strip", lambda: page.last("progress")["strip"] == 1)
         # The film is cut at 4 s.
         assert desk.get("cuts").json["cuts"] == [4000], desk.get("cuts").body
-        # audiotestsrc's ticks: one a second.
-        impacts = desk.get("cuts").json["impacts"]
-        assert len(impacts) >= 6 and all(min(ms % 1000, 1000 - ms % 1000) <= 20 for ms in impacts), impacts
         pictures = desk.get("thumbnails").json
         assert pictures["count"] == 8 and (pictures["width"], pictures["height"]) == (160, 90) and pictures["interval"] == 1000, pictures
         assert desk.get("thumbnail?index=7").body.startswith(b"\xff\xd8") and desk.get("thumbnail?index=7").headers["Content-Type"] == "image/jpeg"

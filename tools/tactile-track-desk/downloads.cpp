@@ -90,14 +90,11 @@ void
 Routes::cuts(SoupServerMessage *message, std::string_view)
 {
   const Strip::Cuts cuts = strip_.cuts();
-  const auto list = [](const std::vector<gint64> &times) {
-    std::string text;
-    for (const gint64 time : times)
-      text += (text.empty() ? "" : ", ") + std::to_string(time);
-    return "[" + text + "]";
-  };
-  answer_json(message, "{\"cuts\": " + list(cuts.times) + ", \"impacts\": " + list(strip_.impacts())
-                           + ", \"until\": " + std::to_string(cuts.until) + "}");
+  std::string times;
+  for (const gint64 time : cuts.times)
+    times += (times.empty() ? "" : ", ") + std::to_string(time);
+  answer_json(message,
+              "{\"cuts\": [" + times + "], \"until\": " + std::to_string(cuts.until) + "}");
 }
 
 void

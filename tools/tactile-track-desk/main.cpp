@@ -4,7 +4,6 @@
 #include "options.h"
 #include "routes.h"
 #include "web/browser.h"
-#include "web/kept_secrets.h"
 #include "web/server.h"
 
 #include "../visuotactile-follow/session_watch.h"
@@ -79,23 +78,6 @@ copy_stored(const DeskOptions &options, const Film &film, const std::string &tra
   return true;
 }
 
-/// The token of the track's address, so that an open page finds the next desk. Empty: it cannot be
-/// kept.
-std::string
-kept_token(const std::string &track)
-{
-  const std::unique_ptr<gchar, void (*)(gpointer)> name(
-      g_compute_checksum_for_string(G_CHECKSUM_SHA256, track.c_str(), -1), g_free);
-  const fs::path folder = fs::path(g_get_user_state_dir()) / "visuotactile" / "desk";
-  g_mkdir_with_parents(folder.c_str(), 0700);
-  try {
-    return kept_secrets((folder / name.get()).string(), 1)[0];
-  } catch (const std::exception &error) {
-    print_error(kProgram, "the address changes at the next start: " + std::string(error.what()));
-    return "";
-  }
-}
-
 struct Unref
 {
   void operator()(gpointer object) const
@@ -143,8 +125,7 @@ run(const DeskOptions &options)
                 *session, draft);
   const Server server({ .port = static_cast<guint16>(options.port),
                         .usual = usual_port(session->path()),
-                        .program = kProgram,
-                        .token = kept_token(session->path()) },
+                        .program = kProgram },
                       routes);
   const std::unique_ptr<GDBusConnection, Unref> bus(
       g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough

@@ -41,15 +41,6 @@ limits_json()
          + ", \"shortestRest\": " + ms(tactor::MotorUse::kShortestRest) + "}";
 }
 
-std::string
-texts_json(const std::vector<std::string> &texts)
-{
-  std::string json;
-  for (const std::string &text : texts)
-    json += (json.empty() ? "" : ", ") + write_text(text);
-  return "[" + json + "]";
-}
-
 } // namespace
 
 const Routes::Route Routes::kRoutes[] = {
@@ -313,6 +304,9 @@ Routes::session(SoupServerMessage *message, std::string_view)
   const Film &film = settings_.found;
   const double duration
       = GST_CLOCK_TIME_IS_VALID(film.duration) ? static_cast<double>(film.duration) / 1e6 : 0;
+  std::string messages;
+  for (const std::string &text : session_.messages())
+    messages += (messages.empty() ? "" : ", ") + write_text(text);
   answer_json(message,
               "{\"film\": {\"name\": " + write_text(name_of(settings_.film))
                   + ", \"duration\": " + std::to_string(std::llround(duration)) + ", \"width\": "
@@ -327,8 +321,7 @@ Routes::session(SoupServerMessage *message, std::string_view)
                   + ", \"review\": " + (settings_.review ? "true" : "false")
                   + ", \"draft\": " + (draft_.track() ? "true" : "false")
                   + ", \"chair\": " + chair_json() + ", \"limits\": " + limits_json()
-                  + ", \"messages\": " + texts_json(session_.messages()) + ", \"news\": "
-                  + texts_json(session_.news()) + ", \"version\": \"" PACKAGE_VERSION "\"}");
+                  + ", \"messages\": [" + messages + "], \"version\": \"" PACKAGE_VERSION "\"}");
 }
 
 void

@@ -206,9 +206,7 @@ Strip::on_sound(GstSample *sample)
       || !gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ))
     return;
   const std::span samples(reinterpret_cast<const gint16 *>(map.data), map.size / sizeof(gint16));
-  const std::vector<gint64> impacts = ear_.add(time, samples, rate, channels);
   const std::lock_guard lock(mutex_);
-  impacts_.insert(impacts_.end(), impacts.begin(), impacts.end());
   for (std::size_t i = 0; i < samples.size(); i++) {
     const auto index = static_cast<std::size_t>(
         (time + static_cast<gint64>(i) / channels * 1000 / rate) / kPeak);
@@ -253,13 +251,6 @@ Strip::peaks(std::size_t from) const
 {
   const std::lock_guard lock(mutex_);
   return from < peaks_.size() ? peaks_.substr(from) : std::string();
-}
-
-std::vector<gint64>
-Strip::impacts() const
-{
-  const std::lock_guard lock(mutex_);
-  return impacts_;
 }
 
 Strip::Cuts

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "impacts.h"
-
 #include "film/film.h"
 #include "film/pipeline.h"
 
@@ -12,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// A film's time line: small frames, peaks of its sound, its impacts, shot cuts. They grow
+/// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
 /// during one pass over the film, in the background. Any thread.
 class Strip
 {
@@ -50,7 +48,6 @@ public:
     gint64 until = 0;          ///< ms
   };
   Cuts cuts() const;
-  std::vector<gint64> impacts() const; ///< in the sound, ms
 
 private:
   class Eye; ///< sees cuts
@@ -69,8 +66,6 @@ private:
   std::vector<std::string> pictures_;
   std::string peaks_;
   Cuts cuts_;
-  Impacts ear_;
-  std::vector<gint64> impacts_;
   double progress_ = 0;
   guint watch_ = 0;
   Pipeline pipeline_;

@@ -3,18 +3,19 @@
 // Commands that read and write the data.
 #include "commands.h"
 
+#include "files/whole_file.h"
 #include "film/command_line.h"
 #include "film/or_throw.h"
 #include "study/folder.h"
 #include "study/simulation.h"
 #include "study/table.h"
-#include "web/kept_secrets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <sys/stat.h>
 
 namespace {
 
@@ -39,7 +40,10 @@ constexpr const char *kProgram = "visuotactile-study";
 void
 write_private(const std::string &path, const std::string &text)
 {
-  if (const std::string warning = write_private_file(path, text); !warning.empty())
+  const mode_t mask = umask(077);
+  const auto written = files::replace_file(path, text);
+  umask(mask);
+  if (const std::string warning = or_throw(written); !warning.empty())
     print_error(kProgram, warning);
 }
 
