@@ -90,7 +90,7 @@ export class TimelineGestures {
     if ('cell' in hit) timeline.cell = hit.cell;
     this.#drag = { kind: this.#kindOf(event, hit), hit, x, y, moved: false, at: { x, y },
       source: this.#source(hit), level: timeline.level, more: event.ctrlKey || event.metaKey,
-      upTo: event.shiftKey };
+      extend: event.shiftKey };
     if (this.#drag.kind === 'time') timeline.seek(hit.ms, { scrubbing: true });
     timeline.refresh();
   }
@@ -279,13 +279,13 @@ export class TimelineGestures {
     }
   }
 
-  #click({ kind, hit: { part, cell, event, ms }, more, upTo }) {
+  #click({ kind, hit: { part, cell, event, ms }, more, extend }) {
     const { timeline } = this;
     if (part === 'label') {
       if (more) timeline.toggleRow(cell);
       else {
         const { from, to, cells } = timeline.selection ?? { from: 0, to: timeline.length };
-        timeline.selection = { from, to, cells: rows(upTo && cells ? cells[0] : cell, cell) };
+        timeline.selection = { from, to, cells: rows(extend && cells ? cells[0] : cell, cell) };
       }
     } else if (kind === 'curve' && more) {
       const spans = spansOf(cell, this.#pointsWithout({ hit: { event, ms } }), timeline.frame);
