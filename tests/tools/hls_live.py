@@ -3,6 +3,7 @@
 """tactile-track hls --live beside a playlist that this test lets grow, slide, break and end: the rendition follows each step.
 Environment: TRACK"""
 
+import atexit
 import os
 import pathlib
 import signal
@@ -26,16 +27,19 @@ def show(first, end, is_over=False):
 def expect(first, end, live):
     """Waits until the rendition has these segments. The test's own timeout ends a wait in vain."""
     expected = [f"{n}.vtt" for n in range(first, end)]
-    while True:
+    while True:  # the multivariant playlist is the last that is written
         lines = index.read_text(encoding="utf-8").splitlines() if index.exists() else []
-        if [line for line in lines if line and not line.startswith("#")] == expected:
+        is_there = [line for line in lines if line and not line.startswith("#")] == expected
+        if is_there and 'NAME="Tactile"' in master.read_text(encoding="utf-8"):
             return lines
         assert live.poll() is None, (live.returncode, live.stderr.read(), lines)
         time.sleep(0.05)
 
 
 def start():
-    return subprocess.Popen([os.environ["TRACK"], "hls", "--live", master, track], stderr=subprocess.PIPE, text=True)
+    live = subprocess.Popen([os.environ["TRACK"], "hls", "--live", master, track], stderr=subprocess.PIPE, text=True)
+    atexit.register(live.kill)
+    return live
 
 
 track = work / "track.csv"
@@ -52,7 +56,6 @@ video.write_text(HEAD + "#EXT-X-MEDIA-SEQ", encoding="utf-8")
 show(0, 2)
 expect(0, 2, live)
 assert (work / "tactile/1.vtt").read_text(encoding="utf-8").count("00:00:01.100 --> 00:00:01.900") == 1
-assert 'NAME="Tactile"' in master.read_text(encoding="utf-8")
 written = index.stat().st_ino
 video.write_text("#EXTM3U\n#EXTINF:", encoding="utf-8")
 show(0, 4)

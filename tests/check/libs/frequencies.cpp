@@ -103,7 +103,7 @@ GST_START_TEST(test_texts_of_frequencies)
       != std::string::npos);
   // Both envelopes end with the track.
   for (const char *last :
-       { "{\"time\":1.001,\"amplitude\":0.0}", "{\"time\":1.001,\"frequency\":" })
+       { "{\"time\":1.001,\"amplitude\":0}", "{\"time\":1.001,\"frequency\":" })
     fail_unless(write_track(track, TrackFormat::haptic, "").find(last) != std::string::npos, "%s",
                 write_track(track, TrackFormat::haptic, "").c_str());
   fail_unless(write_track(track, TrackFormat::ahap, "")
@@ -156,7 +156,7 @@ GST_START_TEST(test_hjif_of_others)
   expect(hjif({ wave(120, 120) }), 120, 0);
   expect(hjif({ wave(4000, 4000) }), 1000, 1);
   expect(hjif({ wave(-5, -5) }), 0, 1);
-  expect(hjif({ "{\"relative_position\":20,\"frequency_modulation\":80}," + wave(120, 120) }), 120,
+  expect(hjif({ "{\"relative_position\":20,\"frequency_modulation\":80}," + wave(120, 120) }), 100,
          1);
   expect(hjif({ wave(4000, 4000) }, "Curve"), 0, 0);
   expect(hjif({ wave(120, 120), wave(120.5, 120.5) }), 120.5, 0);
