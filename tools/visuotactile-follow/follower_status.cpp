@@ -63,6 +63,8 @@ Follower::latency() const
 {
   const follow::Player &player = *current_->player;
   const std::string kind = player_kind(player.name());
+  if (player.source() == follow::Source::listener) // it hears what is audible, when it is
+    return timing_.sound_latency(kind).value_or(0);
   if (sync_to() == SyncTo::screen)
     return settings_.screen_latency.value_or(timing_.screen_latency(kind).value_or(0));
   const std::chrono::duration<double, std::milli> measured = player.sound_latency();

@@ -64,7 +64,7 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
         + " ! " + (settings.overlay ? "tactileoverlay" : "identity") + " name=overlay"
         + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
-    line += "autovideosink";
+    line += settings.window_sink;
   else if (settings.recording.empty())
     line += "fakesink sync=true";
   else

@@ -9,7 +9,8 @@
 /// How a film is played.
 struct PlaySettings
 {
-  bool window = false;          ///< picture and sound on this machine
+  bool window = false;                       ///< picture and sound on this machine
+  std::string window_sink = "autovideosink"; ///< the picture's
   std::string recording;        ///< file of the recording, without a window; empty: none
   std::string commands;         ///< file of the command trace; empty: none
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line

@@ -10,6 +10,8 @@
 #include "film/frame_times.h"
 #include "film/known_driver.h"
 
+#include <gst/video/videooverlay.h>
+
 #include <initializer_list>
 #include <stdexcept>
 
@@ -52,10 +54,14 @@ chair_line(const study::Settings &settings)
 }
 
 PlaySettings
-play_settings(const FilmPlay::Order &order)
+play_settings(const FilmPlay::Order &order, const FilmWindow *window)
 {
   PlaySettings settings;
   settings.window = order.window;
+  if (window)
+    settings.window_sink = "videoscale ! video/x-raw,width=" + std::to_string(window->width())
+                           + ",height=" + std::to_string(window->height())
+                           + ",pixel-aspect-ratio=1/1 ! autovideosink";
   settings.overlay = false;
   settings.quiet = true;
   settings.has_trace = true;
@@ -76,7 +82,11 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
           g_ascii_strtod(setting(order.settings, "intensity", "1").c_str(), nullptr)))
 {
   const Film film = discover_film(order.film);
-  pipeline_ = make_pipeline(launch_line(film, play_settings(order)));
+  if (order.window && order.screen)
+    window_ = std::make_unique<FilmWindow>(*order.screen, film.width, film.height, [this] {
+      stop("Escape was pressed, or the film's window was closed");
+    });
+  pipeline_ = make_pipeline(launch_line(film, play_settings(order, window_.get())));
   let_times_advance(
       Owned<GstPad>(gst_element_get_static_pad(element(pipeline_, "analysis").get(), "sink"))
           .get());
@@ -107,6 +117,18 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
     gst_element_set_state(noise_.get(), GST_STATE_PLAYING);
   }
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+  if (window_)
+    gst_bus_set_sync_handler(
+        bus.get(),
+        +[](GstBus *, GstMessage *message, gpointer window) { // in a streaming thread
+          if (!gst_is_video_overlay_prepare_window_handle_message(message))
+            return GST_BUS_PASS;
+          gst_video_overlay_set_window_handle(GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message)),
+                                              static_cast<FilmWindow *>(window)->handle());
+          gst_message_unref(message);
+          return GST_BUS_DROP;
+        },
+        window_.get(), nullptr);
   if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error(start_error(bus.get()));
   watch_ = gst_bus_add_watch(
@@ -271,6 +293,7 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   gst_element_set_state(chair_.get(), GST_STATE_NULL); // before the film's sound, which may hang
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  window_.reset();
   if (motors_may_run(chair_.get()))
     result_.chair = "the motors may still be on";
   if (const auto timing = study::read_timing(trace_))
@@ -283,7 +306,12 @@ FilmPlay::end(Outcome outcome, const std::string &text)
 void
 expect_playable(const std::string &film, const study::Settings &settings)
 {
-  expect_driver(setting(settings, "driver", "auto"), kAudio);
+  try {
+    expect_driver(setting(settings, "driver", "auto"), kAudio);
+  } catch (const UsageError &error) {
+    throw std::runtime_error("the settings of a session: "
+                             + std::string(error.what()).substr(2)); // without the --
+  }
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
 }
