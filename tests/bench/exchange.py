@@ -174,11 +174,11 @@ script.save('inverted.funscript', False)"""
 def rust():
     folder = fetch("Lofelt/NiceVibrations", "5e586638", "core/datamodel", "core/utils")
     (folder / "Cargo.toml").write_text('[workspace]\nmembers = ["reader"]\nexclude = ["core"]\n', encoding="utf-8")
-    for crate in "datamodel", "utils":  # which need criterion, for measurements, and Android's jni
-        manifest = folder / "core" / crate / "Cargo.toml"
+    for library in "datamodel", "utils":  # which need criterion, for measurements, and Android's jni
+        manifest = folder / "core" / library / "Cargo.toml"
         text = manifest.read_text(encoding="utf-8")
         manifest.write_text(text.split("[dev-dependencies]")[0].split("[target")[0], encoding="utf-8")
-        shutil.rmtree(folder / "core" / crate / "benches", ignore_errors=True)
+        shutil.rmtree(folder / "core" / library / "benches", ignore_errors=True)
     (folder / "reader/src").mkdir(parents=True)
     (folder / "reader/Cargo.toml").write_text('[package]\nname = "reader"\nversion = "0.0.1"\nedition = "2018"\n[dependencies]\n'
                                               'datamodel = {path = "../core/datamodel"}\nserde_json = "1"\n', encoding="utf-8")

@@ -142,9 +142,10 @@ LevelCurves::set_frequency(const Point &from, const Point &to)
   }
   const auto next = frequencies_.upper_bound(end);
   const float after = next == frequencies_.begin() ? 0 : std::prev(next)->second;
-  frequencies_.erase(frequencies_.lower_bound(begin), next);
-  frequencies_.insert(steps.begin(), steps.end());
-  frequencies_.emplace(end, after);
+  const auto hint = frequencies_.erase(frequencies_.lower_bound(begin), next);
+  for (const auto &each : steps)
+    frequencies_.insert(hint, each);
+  frequencies_.emplace_hint(hint, end, after);
   return {};
 }
 

@@ -102,8 +102,7 @@ GST_START_TEST(test_texts_of_frequencies)
       write_track(track, TrackFormat::haptic, "").find("{\"time\":0.200,\"frequency\":0.234}")
       != std::string::npos);
   // Both envelopes end with the track.
-  for (const char *last :
-       { "{\"time\":1.001,\"amplitude\":0}", "{\"time\":1.001,\"frequency\":" })
+  for (const char *last : { "{\"time\":1.001,\"amplitude\":0}", "{\"time\":1.001,\"frequency\":" })
     fail_unless(write_track(track, TrackFormat::haptic, "").find(last) != std::string::npos, "%s",
                 write_track(track, TrackFormat::haptic, "").c_str());
   fail_unless(write_track(track, TrackFormat::ahap, "")
