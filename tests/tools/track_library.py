@@ -108,7 +108,7 @@ def play():
         desk.communicate()
     assert track("diff", played.with_suffix(".vtt"), library / "Of it.csv") == ""
 
-    # Subtitles beside the film, in the folder of tracks, too: the analysis is played. Cues are played as written, also between two frames.
+    # Subtitles beside the film, in the folder of tracks, too: the analysis is played. Cues of 0.1 s are played, by the frames.
     for folder in films, work / "empty":
         folder.mkdir(exist_ok=True)
         (folder / "Of it.vtt").write_text("WEBVTT\n\n00:01.000 --> 00:02.000\nHello\n", encoding="utf-8")
@@ -122,9 +122,9 @@ def play():
 
     expect(play_from("analyzed", work / "empty")[0], "Of it.vtt", "there is no track", "the analysis")
     (work / "empty" / "Of it.csv").write_text(
-        "# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n500,0.5\n580,0\n740,0.75\n820,0\n905,0.5\n930,0\n1800,0\n", encoding="utf-8")
+        "# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n500,0.5\n580,0\n740,0.75\n820,0\n1800,0\n", encoding="utf-8")
     short = play_from("short", work / "empty")[1]
-    assert short[-5:] == [(580, 0), (740, 2.25), (820, 0), (905, 1.5), (930, 0)], short
+    assert (600, 0) in short and any(600 < time < 800 and volts == 2.25 for time, volts in short), short
 
 
 {"find": find, "play": play}[sys.argv[1]]()

@@ -4,7 +4,6 @@
 #include "commands.h"
 #include "playback.h"
 
-#include "film/end_with.h"
 #include "film/film.h"
 #include "film/output.h"
 #include "tracks/formats/track_file.h"
@@ -62,18 +61,18 @@ preview(int argc, char **argv)
   const bool has_display = g_getenv("DISPLAY") || g_getenv("WAYLAND_DISPLAY");
   std::string line = film_source(film) + " film. ! " + look
                      + " ! videoconvert ! tactilecombiner name=combiner appsrc name=track ! "
-                       "combiner.tactile combiner. ! tactileoverlay name=overlay ! videoconvert ! ";
+                       "combiner.tactile combiner. ! ";
   if (output.is_set())
-    line += "x264enc speed-preset=veryfast ! matroskamux ! filesink name=file";
-  else // cues begin and end between frames
-    line += std::string(has_display ? "autovideosink" : "fakesink sync=true")
-            + " appsrc name=felt ! " + look + " ! tactorsink name=chair " + chair.text("rate=0");
+    line
+        += "tactileoverlay ! videoconvert ! x264enc speed-preset=veryfast ! matroskamux ! filesink "
+           "name=file";
+  else
+    line += "tactileextractor name=split split.src ! " + look
+            + " ! tactileoverlay ! videoconvert ! "
+            + (has_display ? "autovideosink" : "fakesink sync=true") + " split.tactile ! " + look
+            + " ! tactorsink " + chair.text("rate=0");
   const Pipeline pipeline = make_pipeline(line);
-  for (const char *name : { "track", "felt" })
-    if (const Owned<GstElement> source = element(pipeline, name))
-      feed_track(source.get(), track, film.start.running);
-  if (const Owned<GstElement> felt = element(pipeline, "chair"))
-    end_with(felt.get(), element(pipeline, "overlay").get());
+  feed_track(element(pipeline, "track").get(), track, film.start.running);
   if (output.is_set())
     return write_film(pipeline, output.text(), film.duration, common.quiet);
   return run_to_end(pipeline, film.duration, common.quiet) ? 0 : 130;

@@ -48,21 +48,16 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   };
   const fusion::Profile *sound = film.has_sound ? settings.sound : nullptr;
   // videoconvert passes the formats of most films, which saliencytactile takes.
-  const std::string chair
-      = look + " ! " + settings.chair + " name=chair"
-        + (settings.commands.empty() ? "" : file("trace-location", settings.commands));
-  // A track's cues begin and end between frames: the chair plays them, the screen has the map of
-  // each frame. The chair, which otherwise keeps the time of a recording, is no part of the film.
-  const bool has_track = !settings.track.empty();
   std::string line
       = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
         + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
-        + joined_sound(look, sound) + " ! "
-        + (has_track
-               ? "tactilecombiner name=track mix=replace ! " + look + " ! clocksync"
-               : "tactileextractor name=split split.tactile ! " + chair + " split.src ! " + look)
-        + " ! " + (settings.overlay ? "tactileoverlay" : "identity") + " name=overlay"
-        + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
+        + joined_sound(look, sound)
+        + (settings.track.empty() ? "" : " ! tactilecombiner name=track mix=replace")
+        + " ! tactileextractor name=split split.tactile ! " + look + " ! " + settings.chair
+        + " name=chair"
+        + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
+        + " split.src ! " + look + " ! " + (settings.overlay ? "tactileoverlay" : "identity")
+        + " name=overlay" + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
     line += settings.window_sink;
   else if (settings.recording.empty())
@@ -71,11 +66,9 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
     line += recorded_size(film) + video_encoder() + " ! " + look
             + " ! matroskamux name=mux ! filesink name=recorder async=false"
             + file("location", settings.recording);
-  if (has_track) {
-    const std::string maps
-        = " filesrc location=" + launch_value(settings.track) + " ! subparse ! tactileconverter ! ";
-    line += maps + "queue ! track.tactile" + maps + chair;
-  }
+  if (!settings.track.empty())
+    line += " filesrc location=" + launch_value(settings.track)
+            + " ! subparse ! tactileconverter ! queue ! track.tactile";
   if (film.has_sound)
     line += heard_sound(look, sound) + "audioresample ! "
             + (settings.window              ? "autoaudiosink"

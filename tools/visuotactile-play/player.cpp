@@ -3,7 +3,6 @@
 
 #include "keys.h"
 
-#include "film/end_with.h"
 #include "film/frame_times.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
@@ -75,8 +74,6 @@ public:
     probe("overlay", "src", GST_PAD_PROBE_TYPE_BUFFER, watch);
     probe("overlay", "src", GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, pressed);
     probe("recorder", "sink", GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, record);
-    if (!settings_.track.empty())
-      end_with(chair_.get(), element(pipeline_, "overlay").get());
 
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     sources_.push_back(gst_bus_add_watch(
@@ -250,18 +247,13 @@ private:
     const gint64 to = std::clamp<gint64>(static_cast<gint64>(shown_.load())
                                              + seconds * static_cast<gint64>(GST_SECOND),
                                          0, std::max(end, static_cast<gint64>(shown_.load())));
-    const auto move = [to](GstElement *what) {
-      return gst_element_seek_simple(
-          what, GST_FORMAT_TIME,
-          static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to);
-    };
-    // A sink without a stream would refuse it; the demuxer moves all streams, but not a track.
-    const bool by_stream = silent_.load();
-    if (by_stream && !settings_.track.empty())
-      move(chair_.get());
+    // A sink without a stream would refuse it; the demuxer moves all streams.
+    const Owned<GstElement> overlay = element(pipeline_, "overlay");
     // The synthetic film is two that are joined, each with its own time.
     if (film_.uri.empty()
-        || !move(by_stream ? element(pipeline_, "overlay").get() : pipeline_.get())) {
+        || !gst_element_seek_simple(
+            silent_.load() ? overlay.get() : pipeline_.get(), GST_FORMAT_TIME,
+            static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
       say("This film cannot be moved to another time");
       return;
     }
