@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // A study's key file.
+#include "study/events.h"
 #include "study/study.h"
 
 #include "files/whole_file.h"
@@ -103,15 +104,11 @@ public:
     return g_key_file_has_group(file_.get(), group.c_str()) != FALSE;
   }
 
-  void expect_keys(const std::string &group, std::initializer_list<std::string_view> known)
+  void expect_keys(const std::string &group, const std::vector<std::string> &known)
   {
     for (const std::string &key : keys(group))
-      if (std::ranges::find(known, key) == known.end()) {
-        std::string names;
-        for (const std::string_view name : known)
-          names += (names.empty() ? "" : ", ") + std::string(name);
-        fail(group, key, "unknown; the keys are " + names);
-      }
+      if (std::ranges::find(known, key) == known.end())
+        fail(group, key, "unknown; the keys are " + joined(known, ", "));
   }
 
   std::string text(const std::string &group, const std::string &key,
@@ -370,10 +367,10 @@ add_items(Reader &reader, const std::string &name, const std::string &folder)
 std::string
 names_of_settings()
 {
-  std::string names;
+  std::vector<std::string> names;
   for (const Setting &setting : kSettings)
-    names += (names.empty() ? "" : ", ") + std::string(setting.name);
-  return names;
+    names.emplace_back(setting.name);
+  return joined(names, ", ");
 }
 
 tl::expected<Study, std::string>

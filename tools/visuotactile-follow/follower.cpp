@@ -142,6 +142,7 @@ Follower::run()
     service_ = std::make_unique<FollowService>(
         bus_, FollowService::Calls{ .status = [this] { return status(); },
                                     .nudge = [this](double by) { return nudge(by); },
+                                    .nudge_film = [this](double by) { return nudge_film(by); },
                                     .pass_over = [this] { film_track_.pass_over(); },
                                     .told =
                                         [this](const std::string &text) {
@@ -384,6 +385,8 @@ Follower::change_film()
     return;
   film_ = film;
   position_ = follow::Time(0);
+  if (current_ != nullptr)
+    set_delay();
   // Motors first: a slow disk may take its time.
   track_.reset();
   cues_.set_track(nullptr);

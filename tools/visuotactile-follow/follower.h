@@ -94,6 +94,7 @@ private:
   void update();
   std::optional<follow::PositionEstimator::Estimate> film_position(follow::Time now) const;
   double nudge(double by);
+  double nudge_film(double by);
   gboolean nudged(double by);
   void set_delay();
   std::string no_position() const;

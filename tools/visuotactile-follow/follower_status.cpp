@@ -39,6 +39,19 @@ Follower::nudge(double by)
   return offset;
 }
 
+double
+Follower::nudge_film(double by)
+{
+  if (current_ == nullptr || film_.empty())
+    throw std::runtime_error("no film plays whose time could be moved");
+  const std::string film = library::film_name(film_);
+  timing_.set_film_offset(film, timing_.film_offset(film) + by);
+  set_delay();
+  const double offset = timing_.film_offset(film);
+  tell("the offset of '" + film + "' is " + std::to_string(std::lround(offset)) + " ms");
+  return offset;
+}
+
 gboolean
 Follower::nudged(double by)
 {
@@ -74,7 +87,8 @@ Follower::latency() const
 void
 Follower::set_delay()
 {
-  const double later = latency() + timing_.offset(player_kind(current_->player->name()));
+  const double later = latency() + timing_.offset(player_kind(current_->player->name()))
+                       + timing_.film_offset(library::film_name(film_));
   cues_.set_delay(follow::Time(std::llround(later * 1e6)));
 }
 
@@ -101,6 +115,7 @@ Follower::status() const
   status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
+  status.film_offset = timing_.film_offset(status.film);
   if (const auto estimate = film_position(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);

@@ -38,6 +38,7 @@ struct Options
   gdouble screen_latency = kNotSet; ///< ms
   gdouble sound_latency = kNotSet;  ///< ms
   gdouble nudge = 0;                ///< ms; 0: none
+  gdouble nudge_film = 0;           ///< ms; 0: none
   gboolean no_drafts = FALSE;
   gboolean once = FALSE;
   gboolean list = FALSE;
@@ -116,6 +117,8 @@ read_command_line(int argc, char **argv, Options &options)
       "Delay the vibration of the running visuotactile-follow, in ms (negative: advance it), "
       "store the sum for this kind of player, and exit",
       "MS" },
+    { "nudge-film", 0, 0, G_OPTION_ARG_DOUBLE, &options.nudge_film,
+      "As --nudge, but store the sum for the film that plays, with any player", "MS" },
     { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
       "Make the running visuotactile-follow skip the film's faulty track in its present form, "
       "for another track or a draft, and exit",
@@ -155,6 +158,7 @@ read_command_line(int argc, char **argv, Options &options)
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
+  expect_ms("nudge-film", options.nudge_film);
   if (!(std::abs(options.listen_latency) <= PlayerTiming::kMost))
     throw UsageError("--listen-latency is a number of ms from -5000 to 5000");
   if (options.listen && !options.tracks.is_set())
@@ -166,7 +170,7 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--server is jellyfin, emby or plex, not '" + options.server.text() + "'");
   expect_driver(options.chair.driver.text());
   const bool plays = !options.version && !options.list && !options.status && !options.pass_over
-                     && options.nudge == 0;
+                     && options.nudge == 0 && options.nudge_film == 0;
   if (plays && !options.common.quiet)
     defaults.print();
 }
@@ -207,19 +211,22 @@ print_status()
   if (status.player.empty())
     return;
   std::printf("%-9s %+.0f ms, of the %s\n", "latency:", status.latency, status.sync_to.c_str());
-  std::printf("%-9s %+.0f ms\n", "offset:", status.offset);
+  std::printf("%-9s %+.0f ms, with this film %+.0f ms more\n", "offset:", status.offset,
+              status.film_offset);
 }
 
 void
 run(const Options &options)
 {
   if (options.nudge != 0)
-    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge));
+    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge, false));
+  if (options.nudge_film != 0)
+    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge_film, true));
   if (options.pass_over)
     send_pass_over();
   if (options.status)
     print_status();
-  if (options.nudge != 0 || options.pass_over || options.status)
+  if (options.nudge != 0 || options.nudge_film != 0 || options.pass_over || options.status)
     return;
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;

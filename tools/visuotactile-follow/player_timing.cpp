@@ -119,6 +119,14 @@ PlayerTiming::is_public() const
   return g_stat(path_.c_str(), &status) == 0 && (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
 }
 
+/// Names of groups have no brackets and control characters.
+std::string
+PlayerTiming::film_group(const std::string &film)
+{
+  g_autofree gchar *name = g_uri_escape_string(film.c_str(), nullptr, FALSE);
+  return std::string("film ") + name;
+}
+
 double
 PlayerTiming::offset(const std::string &kind) const
 {

@@ -31,7 +31,7 @@ const char *name_of(SyncTo sync);
 ///     sound-latency=120
 ///     offset=10
 ///
-/// and how media servers are reached:
+/// the offset with one film, `[film Big%20Buck%20Bunny.mkv]`, and how media servers are reached:
 ///
 ///     [jellyfin]
 ///     server=http://192.168.1.10:8096
@@ -63,13 +63,23 @@ public:
 
   /// Delay from there until the vibration is felt.
   double offset(const std::string &kind) const;
+  /// Additional delay with one film, by its name.
+  double film_offset(const std::string &film) const
+  {
+    return offset(film_group(film));
+  }
 
   /// Limits the offset to kMost, and writes the file at once. Changes by the user in the meantime
   /// are kept, and apply from then on. Only the user can read the file then. Throws
   /// std::runtime_error with the path.
   void set_offset(const std::string &kind, double offset);
+  void set_film_offset(const std::string &film, double offset)
+  {
+    set_offset(film_group(film), offset);
+  }
 
 private:
+  static std::string film_group(const std::string &film);
   void read();
   std::optional<double> number(const std::string &kind, const char *key) const;
 

@@ -58,8 +58,10 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
         + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
         + " split.src ! " + look + " ! " + (settings.overlay ? "tactileoverlay" : "identity")
         + " name=overlay" + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
-  if (settings.window)
-    line += settings.window_sink;
+  if (!settings.picture.empty())
+    line += settings.picture;
+  else if (settings.window)
+    line += "autovideosink";
   else if (settings.recording.empty())
     line += "fakesink sync=true";
   else

@@ -9,8 +9,8 @@
 /// How a film is played.
 struct PlaySettings
 {
-  bool window = false;                       ///< picture and sound on this machine
-  std::string window_sink = "autovideosink"; ///< the picture's
+  bool window = false;          ///< picture and sound on this machine
+  std::string picture;          ///< the picture's sink; empty: one that fits the others
   std::string recording;        ///< file of the recording, without a window; empty: none
   std::string commands;         ///< file of the command trace; empty: none
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line

@@ -58,10 +58,12 @@ play_settings(const FilmPlay::Order &order, const FilmWindow *window)
 {
   PlaySettings settings;
   settings.window = order.window;
+  settings.picture
+      = order.window ? "autovideosink name=picture" : "fakesink sync=true name=picture";
   if (window)
-    settings.window_sink = "videoscale ! video/x-raw,width=" + std::to_string(window->width())
-                           + ",height=" + std::to_string(window->height())
-                           + ",pixel-aspect-ratio=1/1 ! autovideosink";
+    settings.picture = "videoscale ! video/x-raw,width=" + std::to_string(window->width())
+                       + ",height=" + std::to_string(window->height())
+                       + ",pixel-aspect-ratio=1/1 ! " + settings.picture;
   settings.overlay = false;
   settings.quiet = true;
   settings.has_trace = true;
@@ -231,35 +233,20 @@ FilmPlay::on_message(GstMessage *message)
 void
 FilmPlay::count_frames()
 {
-  GstIterator *sinks = gst_bin_iterate_sinks(GST_BIN(pipeline_.get()));
-  GValue item = G_VALUE_INIT;
-  while (gst_iterator_next(sinks, &item) == GST_ITERATOR_OK) {
-    auto *sink = GST_ELEMENT(g_value_get_object(&item));
-    const Owned<GstPad> pad(gst_element_get_static_pad(sink, "sink"));
-    GstCaps *caps = pad && sink != chair_.get() ? gst_pad_get_current_caps(pad.get()) : nullptr;
-    const bool is_picture
-        = caps
-          && g_str_has_prefix(gst_structure_get_name(gst_caps_get_structure(caps, 0)), "video");
-    if (caps)
-      gst_caps_unref(caps);
-    if (is_picture) {
-      GstElement *base = sink;
-      while (GST_IS_BIN(base) && GST_BIN_CHILDREN(base))
-        base = GST_ELEMENT(GST_BIN_CHILDREN(base)->data);
-      g_autoptr(GstStructure) stats = nullptr;
-      if (g_object_class_find_property(G_OBJECT_GET_CLASS(base), "stats"))
-        g_object_get(base, "stats", &stats, nullptr);
-      guint64 rendered = 0;
-      guint64 dropped = 0;
-      if (stats && gst_structure_get_uint64(stats, "rendered", &rendered)
-          && gst_structure_get_uint64(stats, "dropped", &dropped)) {
-        result_.frames = static_cast<std::int64_t>(rendered);
-        result_.frames_dropped = static_cast<std::int64_t>(dropped);
-      }
-    }
-    g_value_unset(&item);
+  const Owned<GstElement> picture = element(pipeline_, "picture");
+  GstElement *sink = picture.get();
+  while (GST_IS_BIN(sink) && GST_BIN_CHILDREN(sink))
+    sink = GST_ELEMENT(GST_BIN_CHILDREN(sink)->data);
+  g_autoptr(GstStructure) stats = nullptr;
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "stats"))
+    g_object_get(sink, "stats", &stats, nullptr);
+  guint64 rendered = 0;
+  guint64 dropped = 0;
+  if (stats && gst_structure_get_uint64(stats, "rendered", &rendered)
+      && gst_structure_get_uint64(stats, "dropped", &dropped)) {
+    result_.frames = static_cast<std::int64_t>(rendered);
+    result_.frames_dropped = static_cast<std::int64_t>(dropped);
   }
-  gst_iterator_free(sinks);
 }
 
 void

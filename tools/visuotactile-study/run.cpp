@@ -81,9 +81,10 @@ std::optional<Monitor>
 chosen_screen(const TextOption &name, bool is_quiet)
 {
   const std::vector<Monitor> all = monitors();
-  std::string names;
+  std::vector<std::string> each;
   for (const Monitor &one : all)
-    names += (names.empty() ? "" : ", ") + one.name;
+    each.push_back(one.name);
+  const std::string names = study::joined(each, ", ");
   const auto found
       = name.is_set() ? std::ranges::find(all, name.text(), &Monitor::name) : all.begin();
   if (found == all.end() && name.is_set())
