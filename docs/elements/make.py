@@ -72,13 +72,21 @@ def pads(factory):
     return [f"- {', '.join(sorted(names))}: {text}" for text, names in sorted(rows.items(), key=lambda row: sorted(row[1]))]
 
 
+def enum_values(spec):
+    """PyGObject before 3.50 has a Python class here, later ones GEnumClass."""
+    known = spec.enum_class
+    if hasattr(known, "__enum_values__"):
+        return [value for _, value in sorted(known.__enum_values__.items())]
+    return [value for value in (GObject.enum_get_value(known, i) for i in range(known.minimum, known.maximum + 1)) if value]
+
+
 def value_text(value, spec):
     if value is None:
         return ""
     if isinstance(value, bool):
         return str(value).lower()
     if spec.value_type.is_a(GObject.TYPE_ENUM):
-        return f"`{value.value_nick}`"
+        return next(f"`{known.value_nick}`" for known in enum_values(spec) if getattr(known, "value", known) == value)
     if isinstance(value, str):
         return f"`{value}`" if value else ""
     return f"{value:g}" if isinstance(value, float) else str(value)
@@ -89,7 +97,7 @@ def property_line(spec):
     blurb = spec.blurb + "."
     if spec.value_type.is_a(GObject.TYPE_ENUM):
         if kind.startswith(("GstSaliency", "GstTact")): # others are known
-            values = [value for _, value in sorted(spec.enum_class.__enum_values__.items())]
+            values = enum_values(spec)
             blurb = spec.blurb + ": " + "; ".join(f"`{value.value_nick}`: {value.value_name}" for value in values) + "."
         kind = "enum"
     elif hasattr(spec, "minimum") and (spec.minimum, spec.maximum) not in FULL_RANGES:

@@ -39,14 +39,14 @@ sync_folder(const std::string &path)
 }
 
 tl::expected<bool, Error>
-replace(const File &part, const std::string &part_path, const std::string &path)
+replace(const File &part, const std::string &part_path, const std::string &path, Readers readers)
 {
   if (const auto expected = expect_regular(path); !expected)
     return tl::unexpected(expected.error());
   struct stat before
   {
   };
-  const bool keeps_mode = stat(path.c_str(), &before) != 0
+  const bool keeps_mode = readers == Readers::user || stat(path.c_str(), &before) != 0
                           || fchmod(part.descriptor(), before.st_mode & 07777) == 0
                           || errno == EPERM; // FAT has no permissions
   if (!keeps_mode || fsync(part.descriptor()) != 0

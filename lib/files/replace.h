@@ -19,10 +19,17 @@ std::string folder_of(const std::string &path);
 /// a folder cannot be written.
 bool sync_folder(const std::string &path);
 
-/// Renames a complete file, which is in the same folder, once it is on the disk. It gets the
-/// permissions of a file that it replaces, where files have some. Only a regular file is replaced.
+/// Readers of a file that replaces another one.
+enum class Readers
+{
+  as_before, ///< of the file that it replaces; else as the umask has it
+  user,      ///< the user alone
+};
+
+/// Renames a complete file, which is in the same folder, once it is on the disk. Its permissions
+/// are changed for Readers::as_before, where files have some. Only a regular file is replaced.
 /// Returns whether the folder was written to the disk, too; errno has the reason if not.
 tl::expected<bool, Error> replace(const File &part, const std::string &part_path,
-                                  const std::string &path);
+                                  const std::string &path, Readers readers = Readers::as_before);
 
 } // namespace files

@@ -3,8 +3,9 @@
 
 #include "files/replace.h"
 
+#include <glib.h>
+
 #include <cerrno>
-#include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
@@ -64,11 +65,14 @@ write_all(const File &file, std::string_view bytes)
 }
 
 tl::expected<std::string, std::string>
-replace_file(const std::string &path, std::string_view bytes)
+replace_file(const std::string &path, std::string_view bytes, Readers readers)
 {
   const fs::path whole(path);
   std::string part = folder_of(path) + "/." + whole.filename().string() + ".XXXXXX";
-  const File file(mkostemp(part.data(), O_CLOEXEC));
+  std::error_code ignored;
+  const bool is_new = readers == Readers::as_before && !fs::exists(whole, ignored);
+  const int mode = is_new ? 0666 : 0600; // less the umask
+  const File file(g_mkstemp_full(part.data(), O_RDWR | O_CLOEXEC, mode));
   if (!file)
     return failed(part);
   const auto give_up = [&](tl::unexpected<std::string> error) {
@@ -77,14 +81,7 @@ replace_file(const std::string &path, std::string_view bytes)
   };
   if (!write_all(file, bytes))
     return give_up(failed(path));
-  std::error_code ignored;
-  if (!fs::exists(whole, ignored)) {
-    const mode_t mask = umask(0);
-    umask(mask);
-    if (fchmod(file.descriptor(), 0666 & ~mask) != 0 && errno != EPERM) // FAT has no permissions
-      return give_up(failed(path));
-  }
-  const auto replaced = replace(file, part, path);
+  const auto replaced = replace(file, part, path, readers);
   if (!replaced)
     return give_up(tl::unexpected(named(path, replaced.error())));
   return *replaced

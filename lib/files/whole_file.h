@@ -2,6 +2,7 @@
 #pragma once
 
 #include "files/regular_file.h"
+#include "files/replace.h"
 
 #include <cstddef>
 #include <string>
@@ -21,9 +22,9 @@ tl::expected<std::string, std::string> read_whole(const File &file, const std::s
 /// False, with errno, if not all can be written.
 bool write_all(const File &file, std::string_view bytes);
 
-/// The file is replaced as a whole, and is on the disk. It keeps its permissions where files have
-/// some. Returns a warning if it is in place, but was perhaps not written to the disk; else none.
-tl::expected<std::string, std::string> replace_file(const std::string &path,
-                                                    std::string_view bytes);
+/// The file is replaced as a whole, and is on the disk. Returns a warning if it is in place, but
+/// was perhaps not written to the disk; else none.
+tl::expected<std::string, std::string> replace_file(const std::string &path, std::string_view bytes,
+                                                    Readers readers = Readers::as_before);
 
 } // namespace files

@@ -19,6 +19,14 @@ enum class Doing
   playing,
 };
 
+/// Where the positions of a player come from.
+enum class Source
+{
+  player,       ///< itself
+  media_server, ///< coarsely
+  listener,     ///< its sound
+};
+
 /// A report of a player at one moment. Local times are of the monotonic clock.
 struct Report
 {

@@ -46,6 +46,8 @@ in_folder(const std::string &folder, std::vector<std::string> &complaints, GCanc
        entry.increment(error))
     if (const std::string path = entry->path().string(); path.ends_with(listen::kEntryEnding))
       paths.push_back(path);
+  if (error)
+    complaints.push_back("'" + folder + "': " + error.message());
   std::ranges::sort(paths);
   std::vector<listen::Entry> entries;
   for (const std::string &path : paths) {
@@ -68,27 +70,32 @@ kept_folder()
   return folder;
 }
 
-/// Returns the path of an entry in the cache. It is fetched unless the cache has the listed one.
+/// Returns the path of an entry in the cache. It is fetched unless the cache has the listed one,
+/// whose name is its sum. Adds the bytes that it has, or were fetched.
 tl::expected<std::string, std::string>
-kept(const std::string &where, const IndexEntry &listed, GCancellable *stop)
+kept(const std::string &where, const IndexEntry &listed, std::uintmax_t &count, GCancellable *stop)
 {
   const std::string path
       = (fs::path(kept_folder()) / (listed.heard_sum + listen::kEntryEnding)).string();
-  if (const auto bytes = files::read(path, listen::kMostEntry);
-      bytes && content_sum(*bytes) == listed.heard_sum) {
+  std::error_code error;
+  if (const auto size = fs::file_size(path, error); !error && listen::Entry::open(path)) {
+    count += size;
     mark_used(path);
     return path;
   }
   g_autofree gchar *escaped = g_uri_escape_string(listed.heard.c_str(), "/", FALSE);
-  const auto bytes = fetch(where + escaped, listen::kMostEntry, stop);
+  auto bytes = fetch(where + escaped, listen::kMostEntry, stop);
   if (!bytes)
     return tl::unexpected(bytes.error());
+  count += bytes->size();
   if (content_sum(*bytes) != listed.heard_sum)
     return tl::unexpected(
         "'" + where + escaped
         + "' is not what the index lists; make it again with tactile-track index");
+  if (const auto read = listen::Entry::of(*bytes); !read)
+    return tl::unexpected("'" + where + escaped + "': " + read.error());
   g_mkdir_with_parents(kept_folder().c_str(), 0700); // if it fails, so does the next
-  if (const auto written = files::replace_file(path, *bytes); !written)
+  if (const auto written = files::replace_file(path, *bytes, files::Readers::user); !written)
     return tl::unexpected(written.error());
   return path;
 }
@@ -119,7 +126,9 @@ on_server(std::string where, std::vector<std::string> &complaints, GCancellable 
       left_out++;
       continue;
     }
-    const auto path = kept(where, one, stop);
+    const auto path = kept(where, one, bytes, stop);
+    if (path && !used.insert(*path).second)
+      continue; // two tracks of one entry
     auto entry = path.and_then([&](const std::string &file) {
       return listen::Entry::open(file).map_error(named(where + one.heard));
     });
@@ -127,10 +136,6 @@ on_server(std::string where, std::vector<std::string> &complaints, GCancellable 
       complaints.push_back(entry.error());
       continue;
     }
-    std::error_code error;
-    if (const auto size = fs::file_size(*path, error); !error)
-      bytes += size;
-    used.insert(*path);
     entries.push_back(*std::move(entry));
   }
   if (left_out > 0)

@@ -14,6 +14,16 @@ is_address(const std::string &where)
 tl::expected<std::string, std::string>
 fetch(const std::string &address, std::size_t most, GCancellable *stop)
 {
+  return fetch({ .address = address,
+                 .most = most,
+                 .stop = stop,
+                 .advice = "is it a folder with tracks and their index (tactile-track index)?" });
+}
+
+tl::expected<std::string, std::string>
+fetch(const Query &query)
+{
+  const std::string &address = query.address;
   g_autoptr(GUri) uri = g_uri_parse(address.c_str(), G_URI_FLAGS_HAS_PASSWORD, nullptr);
   const std::string scheme = uri != nullptr ? g_uri_get_scheme(uri) : "";
   if ((scheme != "http" && scheme != "https") || g_uri_get_host(uri) == nullptr
@@ -28,7 +38,7 @@ fetch(const std::string &address, std::size_t most, GCancellable *stop)
                           + "; install visuotactile-tools, or name a folder");
   std::string body;
   std::string error;
-  if (!(*function)(address, most, stop, body, error))
+  if (!(*function)(query, body, error))
     return tl::unexpected("'" + address + "': " + error);
   return body;
 }

@@ -24,8 +24,8 @@ template <typename Object> using Owned = std::unique_ptr<Object, Unref>;
 class Request
 {
 public:
-  Request(std::size_t most, GCancellable *stop, std::string &body)
-      : most_(most), stop_(stop), body_(body), context_(g_main_context_new()),
+  Request(const library::Query &query, std::string &body)
+      : query_(query), stop_(query.stop), body_(body), context_(g_main_context_new()),
         cancel_(g_cancellable_new())
   {
     g_main_context_push_thread_default(context_);
@@ -61,12 +61,15 @@ public:
   Request &operator=(const Request &) = delete;
 
   /// Returns the fault; empty: none.
-  std::string run(const std::string &address)
+  std::string run()
   {
-    const Owned<SoupMessage> message(soup_message_new("GET", address.c_str()));
+    const Owned<SoupMessage> message(soup_message_new("GET", query_.address.c_str()));
     if (!message)
       return "expected an address";
     soup_message_add_flags(message.get(), SOUP_MESSAGE_NO_REDIRECT);
+    for (const auto &[name, value] : query_.headers)
+      soup_message_headers_append(soup_message_get_request_headers(message.get()), name.c_str(),
+                                  value.c_str());
     soup_session_send_async(session_.get(), message.get(), G_PRIORITY_DEFAULT, cancel_.get(),
                             on_result, this);
     stream_.reset(soup_session_send_finish(session_.get(), wait(), &error_));
@@ -76,10 +79,10 @@ public:
     if (const auto status = soup_message_get_status(message.get()); status != SOUP_STATUS_OK) {
       const char *where = soup_message_headers_get_one(
           soup_message_get_response_headers(message.get()), "Location");
-      return "expected the file (status 200), got status " + std::to_string(status)
+      return "expected status 200, got status " + std::to_string(status) + "; "
              + (SOUP_STATUS_IS_REDIRECTION(status) && where != nullptr
-                    ? "; redirects are not followed: give the address to which it leads"
-                    : "; is it a folder with tracks and their index (tactile-track index)?");
+                    ? "redirects are not followed: give the address to which it leads"
+                    : query_.advice);
     }
     std::array<char, 16384> piece{};
     while (true) {
@@ -91,8 +94,8 @@ public:
         return failure();
       if (count == 0)
         return "";
-      if (body_.size() + static_cast<std::size_t>(count) > most_)
-        return "expected at most " + std::to_string(most_) + " bytes, got more";
+      if (body_.size() + static_cast<std::size_t>(count) > query_.most)
+        return "expected at most " + std::to_string(query_.most) + " bytes, got more";
       body_.append(piece.data(), static_cast<std::size_t>(count));
     }
   }
@@ -121,7 +124,7 @@ private:
     return why;
   }
 
-  const std::size_t most_;
+  const library::Query &query_;
   GCancellable *const stop_;
   std::string &body_;
   GMainContext *const context_;
@@ -137,9 +140,8 @@ private:
 } // namespace
 
 extern "C" G_MODULE_EXPORT bool
-visuotactile_fetch(const std::string &address, std::size_t most, GCancellable *stop,
-                   std::string &body, std::string &error)
+visuotactile_fetch(const library::Query &query, std::string &body, std::string &error)
 {
-  error = Request(most, stop, body).run(address);
+  error = Request(query, body).run();
   return error.empty();
 }

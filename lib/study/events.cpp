@@ -63,11 +63,11 @@ Event::add_json(const char *name, const std::string &json)
 }
 
 std::string
-joined(const std::vector<std::string> &words)
+joined(const std::vector<std::string> &words, const char *between)
 {
   std::string text;
   for (const std::string &word : words)
-    text += (text.empty() ? "" : " ") + word;
+    text += (text.empty() ? "" : between) + word;
   return text;
 }
 

@@ -34,8 +34,8 @@ private:
   std::string line_;
 };
 
-/// With spaces between.
-std::string joined(const std::vector<std::string> &words);
+/// With spaces, or something else, between.
+std::string joined(const std::vector<std::string> &words, const char *between = " ");
 
 /// A number in JSON, in any locale.
 std::string write_number(double number);

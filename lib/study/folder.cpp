@@ -215,17 +215,15 @@ tl::expected<void, std::string>
 Folder::add(Participant &participant, const Event &event)
 {
   // Only an event that fits is written, and only a written one is kept in memory.
-  std::vector<std::string> lines = participant.lines();
-  lines.push_back(event.line());
-  auto next = Participant::read(participant.name(), participant.text(), lines);
-  if (!next)
-    return tl::unexpected(next.error());
-  const auto written = journal(participant.name()).and_then([&](files::Journal *journal) {
-    return journal->append("", event.line());
-  });
-  if (written)
-    participant = std::move(**next);
-  return written;
+  const std::string line = event.line();
+  return participant.fits(line)
+      .and_then([&] { return journal(participant.name()); })
+      .and_then([&](files::Journal *journal) { return journal->append("", line); })
+      .and_then([&] { return participant.apply(line); })
+      .map([&] {
+        if (participant.state() != Participant::State::running)
+          journals_.erase(participant.name()); // hundreds of them would be too many open files
+      });
 }
 
 tl::expected<std::string, std::string>

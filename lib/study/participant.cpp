@@ -109,11 +109,11 @@ name_of(Play::Outcome outcome)
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
-Participant::Participant(std::string name, Study study, std::string text)
-    : name_(std::move(name)), text_(std::move(text)), study_(std::move(study))
+Participant::Participant(std::string name, Study study, const std::string &text)
+    : name_(std::move(name)), study_(std::move(study))
 {
   g_autofree gchar *sum = g_compute_checksum_for_data(
-      G_CHECKSUM_SHA256, reinterpret_cast<const guchar *>(text_.data()), text_.size());
+      G_CHECKSUM_SHA256, reinterpret_cast<const guchar *>(text.data()), text.size());
   sum_.assign(sum, kSum);
 }
 
@@ -127,7 +127,6 @@ Participant::read(const std::string &name, const std::string &study,
   std::unique_ptr<Participant> participant(new Participant(name, *std::move(parsed), study));
   if (lines.empty())
     return tl::unexpected(name + ": expected a first line");
-  participant->lines_ = lines;
   for (std::size_t i = 0; i < lines.size(); i++) {
     const auto applied = i == 0 ? participant->begin(lines[i]) : participant->apply(lines[i]);
     if (!applied)
@@ -220,7 +219,7 @@ Participant::state() const
 }
 
 tl::expected<void, std::string>
-Participant::apply(const std::string &line)
+Participant::fits(const std::string &line) const
 {
   const json::ObjectText text(line);
   JsonObject *event = text.object();
@@ -228,46 +227,60 @@ Participant::apply(const std::string &line)
     return expected("a JSON object");
   const std::string kind = json::whole_text(event, "event");
   const std::string name = json::whole_text(event, "step");
-  const std::int64_t at = count_of(event, "at");
-  const bool is_playing = !plays_.empty() && plays_.back().step == name;
   if (state() == State::forgotten || state() == State::dropped)
     return expected(std::string("nothing more: the participant was ") + name_of(state()));
-  if (kind == "drop") {
-    is_dropped_ = true;
-    last_ = at;
+  if (kind == "drop")
     return {};
-  }
   if (name != step().name || step().kind == Step::Kind::done)
     return expected("the step '" + step().name + "', got '" + name + "'");
   const bool is_film = step().kind == Step::Kind::film;
-  if (kind == "step" && !is_film) {
+  const bool is_playing = !plays_.empty() && plays_.back().step == name;
+  const bool is_known
+      = is_film ? kind == "play" || (is_playing && (kind == "played" || kind == "go-on"))
+                : kind == "step";
+  if (!is_known)
+    return expected("an event of the step '" + step().name + "', got '" + kind + "'");
+  return step().kind == Step::Kind::question
+             ? check(*step().question, json::whole_text(event, "answer"))
+             : tl::expected<void, std::string>();
+}
+
+tl::expected<void, std::string>
+Participant::apply(const std::string &line)
+{
+  if (const auto fitting = fits(line); !fitting)
+    return fitting;
+  const json::ObjectText text(line);
+  JsonObject *event = text.object();
+  const std::string kind = json::whole_text(event, "event");
+  last_ = count_of(event, "at");
+  if (kind == "drop") {
+    is_dropped_ = true;
+  } else if (kind == "step") {
     const std::string answer = json::whole_text(event, "answer");
-    if (step().kind == Step::Kind::question) {
-      if (const auto checked = check(*step().question, answer); !checked)
-        return checked;
+    if (step().kind == Step::Kind::question)
       answers_.push_back({ .step = &step(),
-                           .at = at,
+                           .at = last_,
                            .response = count_of(event, "response_ms"),
                            .text = answer });
-    }
     if (step().kind == Step::Kind::consent)
       consent_ = answer;
     at_++;
-  } else if (kind == "play" && is_film) {
-    plays_.push_back({ .step = name,
-                       .at = at,
+  } else if (kind == "play") {
+    plays_.push_back({ .step = step().name,
+                       .at = last_,
                        .trace = json::whole_text(event, "trace"),
                        .settings = json_of(event, "settings"),
                        .film = json::whole_text(event, "film"),
                        .program = json::whole_text(event, "program"),
                        .gstreamer = json::whole_text(event, "gstreamer") });
-  } else if (kind == "played" && is_film && is_playing) {
+  } else if (kind == "played") {
     Play &play = plays_.back();
     const std::string outcome = json::whole_text(event, "outcome");
     for (const Play::Outcome one : kOutcomes)
       if (outcome == name_of(one))
         play.outcome = one;
-    play.ended = at;
+    play.ended = last_;
     play.text = json::whole_text(event, "text");
     play.chair = json::whole_text(event, "chair");
     play.doubts = words_of(json::whole_text(event, "doubts"));
@@ -279,12 +292,9 @@ Participant::apply(const std::string &line)
     play.frames = count_of(event, "frames");
     play.frames_dropped = count_of(event, "frames_dropped");
     at_ += play.outcome == Play::Outcome::ended ? 1 : 0;
-  } else if (kind == "go-on" && is_film && is_playing) {
+  } else { // go-on
     at_++;
-  } else {
-    return expected("an event of the step '" + step().name + "', got '" + kind + "'");
   }
-  last_ = at;
   return {};
 }
 

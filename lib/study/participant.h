@@ -89,6 +89,11 @@ public:
 
   static Event start(const Place &place, const std::string &program);
 
+  /// Fails unless apply() would take the line.
+  tl::expected<void, std::string> fits(const std::string &line) const;
+  /// Takes the next line of the journal. A line that does not fit changes nothing.
+  tl::expected<void, std::string> apply(const std::string &line);
+
   /// The event for the answer of a page; an error unless the present step expects it.
   tl::expected<Event, std::string> answer(const std::string &step, const std::string &answer,
                                           std::int64_t response, std::int64_t at = now()) const;
@@ -96,14 +101,6 @@ public:
   const std::string &name() const
   {
     return name_;
-  }
-  const std::string &text() const ///< of the study
-  {
-    return text_;
-  }
-  const std::vector<std::string> &lines() const ///< of the journal
-  {
-    return lines_;
   }
   const Study &study() const
   {
@@ -173,14 +170,11 @@ public:
   std::vector<std::string> marks(int session) const;
 
 private:
-  Participant(std::string name, Study study, std::string text);
+  Participant(std::string name, Study study, const std::string &text);
   tl::expected<void, std::string> begin(const std::string &line);
-  tl::expected<void, std::string> apply(const std::string &line);
   void plan();
 
   std::string name_;
-  std::string text_;
-  std::vector<std::string> lines_;
   Study study_;
   std::string sum_;
   Place place_{};

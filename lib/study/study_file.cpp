@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // A study's key file.
+#include "study/events.h"
 #include "study/study.h"
 
 #include "files/whole_file.h"
@@ -50,31 +51,12 @@ constexpr Setting kSettings[] = {
 };
 
 /// Names of columns of the table and of the report's, and words of R: no factor may have one.
-constexpr std::string_view kColumns[] = {
-  "participant",  "state",
-  "group",        "session",
-  "question",     "kind",
-  "answer",       "text",
-  "time",         "response_ms",
-  "marks",        "plays",
-  "film_file",    "settings",
-  "program",      "gstreamer",
-  "study",        "consent",
-  "trace",        "commands",
-  "late",         "error_p50_ms",
-  "error_p99_ms", "error_max_ms",
-  "frames",       "frames_dropped",
-  "value",        "n",
-  "mean",         "se",
-  "bar",          "if",
-  "else",         "repeat",
-  "while",        "function",
-  "for",          "next",
-  "break",        "in",
-  "TRUE",         "FALSE",
-  "NULL",         "Inf",
-  "NaN",          "NA",
-};
+constexpr std::string_view kColumns
+    = " participant state group session question kind answer text time response_ms "
+      "marks plays film_file settings program gstreamer study consent trace commands "
+      "late error_p50_ms error_p99_ms error_max_ms frames frames_dropped value n "
+      "mean se bar if else repeat while function for next break in TRUE FALSE NULL "
+      "Inf NaN NA ";
 
 using KeyFile = std::unique_ptr<GKeyFile, void (*)(GKeyFile *)>;
 
@@ -104,37 +86,29 @@ public:
   std::vector<std::string> groups(const std::string &word) const
   {
     std::vector<std::string> found;
-    g_auto(GStrv) all = g_key_file_get_groups(file_.get(), nullptr);
-    for (gchar **group = all; *group; group++)
-      if (std::string_view(*group).starts_with(word + " "))
-        found.emplace_back(*group + word.size() + 1);
+    for (const std::string &group : all_groups())
+      if (group.starts_with(word + " "))
+        found.push_back(group.substr(word.size() + 1));
     return found;
   }
   std::vector<std::string> all_groups() const
   {
-    g_auto(GStrv) all = g_key_file_get_groups(file_.get(), nullptr);
-    return { all, all + g_strv_length(all) };
+    return taken(g_key_file_get_groups(file_.get(), nullptr));
   }
   std::vector<std::string> keys(const std::string &group) const
   {
-    g_auto(GStrv) all = g_key_file_get_keys(file_.get(), group.c_str(), nullptr, nullptr);
-    return all ? std::vector<std::string>(all, all + g_strv_length(all))
-               : std::vector<std::string>();
+    return taken(g_key_file_get_keys(file_.get(), group.c_str(), nullptr, nullptr));
   }
   bool has(const std::string &group) const
   {
     return g_key_file_has_group(file_.get(), group.c_str()) != FALSE;
   }
 
-  void expect_keys(const std::string &group, std::initializer_list<std::string_view> known)
+  void expect_keys(const std::string &group, const std::vector<std::string> &known)
   {
     for (const std::string &key : keys(group))
-      if (std::ranges::find(known, key) == known.end()) {
-        std::string names;
-        for (const std::string_view name : known)
-          names += (names.empty() ? "" : ", ") + std::string(name);
-        fail(group, key, "unknown; the keys are " + names);
-      }
+      if (std::ranges::find(known, key) == known.end())
+        fail(group, key, "unknown; the keys are " + joined(known, ", "));
   }
 
   std::string text(const std::string &group, const std::string &key,
@@ -153,10 +127,8 @@ public:
 
   std::vector<std::string> texts(const std::string &group, const std::string &key)
   {
-    g_auto(GStrv) values
-        = g_key_file_get_string_list(file_.get(), group.c_str(), key.c_str(), nullptr, nullptr);
-    return values ? std::vector<std::string>(values, values + g_strv_length(values))
-                  : std::vector<std::string>();
+    return taken(
+        g_key_file_get_string_list(file_.get(), group.c_str(), key.c_str(), nullptr, nullptr));
   }
 
   double number(const std::string &group, const std::string &key, double otherwise, double least,
@@ -181,6 +153,14 @@ public:
   }
 
 private:
+  /// Frees the list; null: it is empty.
+  static std::vector<std::string> taken(gchar **list)
+  {
+    g_auto(GStrv) texts = list;
+    return list ? std::vector<std::string>(list, list + g_strv_length(list))
+                : std::vector<std::string>();
+  }
+
   KeyFile file_;
   std::string fault_;
 };
@@ -232,7 +212,7 @@ read_factors(Reader &reader, Study &study)
     const std::string group = "factor " + name;
     reader.expect_keys(group, { "label", "levels", "design" });
     if (!is_name(name) || name.find_first_of("-.") != std::string::npos
-        || std::ranges::find(kColumns, name) != std::end(kColumns))
+        || kColumns.find(" " + name + " ") != std::string_view::npos)
       reader.fail(
           group, "",
           "expected a name of letters, digits and _ that is no column of a table and no word of R");
@@ -387,10 +367,10 @@ add_items(Reader &reader, const std::string &name, const std::string &folder)
 std::string
 names_of_settings()
 {
-  std::string names;
+  std::vector<std::string> names;
   for (const Setting &setting : kSettings)
-    names += (names.empty() ? "" : ", ") + std::string(setting.name);
-  return names;
+    names.emplace_back(setting.name);
+  return joined(names, ", ");
 }
 
 tl::expected<Study, std::string>

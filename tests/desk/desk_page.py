@@ -62,10 +62,13 @@ class Page:
         self.find(css).click()
 
     def says(self):
-        return self.js("return ['save-state', 'live', 'alerts', 'reader'].map((id) => document.getElementById(id)).filter((e) => !e.hidden).map((e) => e.textContent)")
+        return self.js("return ['save-state', 'live', 'alerts', 'news', 'reader'].map((id) => document.getElementById(id)).filter((e) => !e.hidden).map((e) => e.textContent)")
 
     def errors(self):
         return [item.find_element(By.TAG_NAME, "span").text for item in self.all("#alerts li")]
+
+    def news(self):
+        return [item.find_element(By.TAG_NAME, "span").text for item in self.all("#news li")]
 
     def keys(self, *keys):
         """Keys where the focus is, one after the other; a tuple is a chord."""
@@ -116,7 +119,7 @@ class Page:
 
     def choose(self, form, name, **values):
         """Fills in a form of kinds and applies it."""
-        self.js("document.getElementById(arguments[0]).closest('details').open = true", form)
+        self.click(f"#{form}-tab")
         Select(self.find(f"#{form} select")).select_by_value(name)
         for option, value in values.items():
             field = self.find(f"#{form} [name={option}]")

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 /** Tests of the page's parts that need no desk. Each export is a test. */
 import { equal, fails, holds } from './check.js';
+import { pointsOf, spansOf, withPoint } from '../../tools/tactile-track-desk/page/curves.js';
 import { commandOf } from '../../tools/tactile-track-desk/page/keys.js';
 import { OPERATIONS, request } from '../../tools/tactile-track-desk/page/operations.js';
 import { Pad, rumble } from '../../tools/tactile-track-desk/page/pad.js';
 import { Recorder } from '../../tools/tactile-track-desk/page/recorder.js';
 import { changes } from '../../tools/tactile-track-desk/page/review.js';
+import { paint } from '../../tools/tactile-track-desk/page/strokes.js';
 import { formatTime, frameFrom, parseTime } from '../../tools/tactile-track-desk/page/time.js';
 import { Track } from '../../tools/tactile-track-desk/page/track.js';
 
@@ -36,6 +38,39 @@ export function framesAreSteppedOneByOneForHours() {
     }
   }
   equal(frameFrom(7_190_020, Number((1000 / 24).toPrecision(15)), 1), 7_190_042, 'from within a frame');
+}
+
+export function curvesAreFoundInTheirSteps() {
+  const frame = 40;
+  for (const points of [
+    [[0, 20], [2000, 20]],
+    [[1000, 10], [3000, 90]],
+    [[0, 5], [800, 95], [1600, 30], [4000, 30]],
+    [[500, 80], [1300, 20], [2100, 80], [2900, 20]],
+  ]) {
+    const curve = points.map(([ms, level]) => ({ ms, level }));
+    const track = new Track(1, 1);
+    const spans = spansOf(0, curve, frame);
+    // Each step has the level of the line at its middle, by the equation of the line.
+    for (const { start, end, level } of spans) {
+      const middle = (start + end) / 2;
+      const i = points.findLastIndex(([ms]) => ms <= middle);
+      const [[a, from], [b, to]] = [points[i], points[i + 1]];
+      holds(Math.abs(level - (from + (to - from) * (middle - a) / (b - a))) <= 0.5, `${level} % at ${middle}`);
+    }
+    track.apply(paint(track, spans));
+    const found = pointsOf(track, track.eventAt(0, curve[0].ms));
+    equal(found.length, curve.length, JSON.stringify(found));
+    found.forEach(({ ms, level }, i) => {
+      holds(Math.abs(ms - points[i][0]) <= frame && Math.abs(level - points[i][1]) <= 12, `${ms} ms ${level} % is ${points[i]}`);
+    });
+    // Written again, the steps are nearly the same: nothing creeps.
+    const again = spansOf(0, found, frame);
+    again.forEach(({ level }, i) => holds(Math.abs(level - spans[i].level) <= 4, `step ${i}: ${level}, not ${spans[i].level}`));
+  }
+  const line = [{ ms: 0, level: 10 }, { ms: 1000, level: 50 }];
+  equal(withPoint(line, 500, 90, 20), [line[0], { ms: 500, level: 90 }, line[1]], 'a point more');
+  equal(withPoint(line, 10, 90, 20), [{ ms: 0, level: 90 }, line[1]], 'ends stay at their time');
 }
 
 export function strokesAreRecordedAsHeld() {

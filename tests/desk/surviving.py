@@ -44,10 +44,41 @@ def edits_that_did_not_get_through_are_sent_later(driver):
         assert desk.get("track").json["revision"] == 0
         block(driver)
         page.load()
-        page.wait("the edit", lambda: any("restored" in error for error in page.errors()))
+        page.wait("the edit", lambda: any("restored" in text for text in page.news()))
         assert page.track()[1] == (5000, 5200, {0: 75}, [])
         page.go_to(5000)
         page.wait("it to be seen", lambda: "75" in page.find("#cells button").text)
+
+
+def undo_survives_a_reload(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        before = page.track()
+        page.stamp(0, 5000)
+        page.stamp(1, 6000)
+        page.settled()
+        page.keys("j", (Keys.CONTROL, "z"))
+        once = page.track()
+        page.load()
+        page.may_write()
+        assert (page.find("#undo").get_attribute("title"), page.find("#redo").get_attribute("title")) == ("Undo: Paint", "Redo: Paint")
+        page.keys((Keys.CONTROL, "z"))
+        assert page.track() == before
+        page.keys((Keys.CONTROL, Keys.SHIFT, "z"), (Keys.CONTROL, Keys.SHIFT, "z"))
+        assert [each[0] for each in page.track()] == [1000, 5000, 6000, 19800]
+        page.keys((Keys.CONTROL, "z"))
+        assert page.track() == once
+        # Steps for a track that has become another one are not offered.
+        page.load()
+        page.may_write()
+        driver.get("about:blank")
+        other = Listener(desk, "other", writes=False)
+        assert desk.post("writer", {"page": "other", "take": True}).json == {"writer": True}
+        assert other.edit(desk.get("track").json["revision"], {"at": 0, "remove": 1, "insert": []}).status == 200
+        other.leave()
+        page.load()
+        page.may_write()
+        assert not page.find("#undo").is_enabled() and not page.find("#redo").is_enabled()
 
 
 def edits_are_sent_when_the_line_is_back(driver):
@@ -166,7 +197,7 @@ def another_program_has_changed_the_file(driver):
         validate(folder / "film.vtt")
 
 
-TESTS = [another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
+TESTS = [undo_survives_a_reload, another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
          an_edit_that_does_not_fit_is_offered, the_seat_becomes_free_while_the_page_hears_a_refusal, a_browser_is_killed_in_the_middle]
 
 if __name__ == "__main__":

@@ -287,6 +287,15 @@ def mouse(desk):
     equal((desk.selection()[2], desk.felt()), ([3, 4, 5], before), "with Shift, a drag selects")
     desk.drag((10, desk.y(8)), (10, desk.y(8)))
     equal(desk.selection()[2], [8], "a label selects its row")
+    desk.drag((10, desk.y(5)), (10, desk.y(5)), key=Keys.SHIFT)
+    equal(desk.selection()[2], [5, 6, 7, 8], "with Shift, all rows up to there")
+    desk.drag((10, desk.y(1)), (10, desk.y(1)), key=Keys.CONTROL)
+    desk.drag((10, desk.y(7)), (10, desk.y(7)), key=Keys.CONTROL)
+    equal(desk.selection()[2], [1, 5, 6, 8], "with Ctrl, one more and one less")
+    desk.press(Keys.UP, Keys.UP, Keys.UP, Keys.UP, (Keys.CONTROL, Keys.ENTER))
+    equal(desk.selection()[2], [1, 3, 5, 6, 8], "by keys, too")
+    desk.drag((10, desk.y(2)), (10, desk.y(4)))
+    equal(desk.selection()[2], [2, 3, 4], "a drag over labels selects their rows")
     desk.driver.execute_script("desk.told.length = 0")
     desk.drag((desk.x(2000), 12), (desk.x(8000), 12))
     seeks = [detail["scrubbing"] for name, detail in desk.js("desk.told") if name == "seek"]
@@ -299,16 +308,57 @@ def mouse(desk):
     equal((desk.felt(), desk.selection()[2], abs(desk.selection()[1] - 9000) <= scale), (before, [7], True), "read only, a drag selects")
 
 
+def tools(desk):
+    desk.open()
+    desk.driver.execute_script("desk.timeline.show(0, 10000); desk.history.do(desk.strokes.draw(desk.history.track, { from: 1000, to: 3000, cells: [4] }, 75))")
+    scale = desk.js("desk.timeline.view.scale")
+    desk.js("desk.timeline.focus()")
+    desk.press("q")
+    before = desk.felt()
+    desk.drag((desk.x(5000), desk.y(1)), (desk.x(7000), desk.y(3)))
+    equal((desk.felt(), desk.selection()[2]), (before, [1, 2, 3]), "the tool that selects draws nothing")
+    desk.drag((desk.x(2000), desk.y(4)), (desk.x(4000), desk.y(4)))
+    equal(abs(desk.felt()[0][1] - 3000) <= 2 * scale, True, "but moves events")
+    desk.press((Keys.CONTROL, "z"), "x")
+    desk.drag((desk.x(2000), desk.y(4)), (desk.x(2000), desk.y(4)))
+    parts = desk.felt()
+    equal((len(parts), abs(parts[0][2] - 2000) <= 2 * scale, parts[1]), (2, True, (4, parts[0][2] + 100, 3000, "75")), "a click cuts")
+    desk.press("b")
+    top, bottom = desk.y(0, 100), desk.y(0, 1)
+    desk.drag((desk.x(5000), bottom), (desk.x(7000), top - 4))
+    (cell, start, end, levels), = [one for one in desk.felt() if one[0] == 0]
+    levels = [int(level) for level in levels.split()]
+    equal((abs(start - 5000) < 40 + scale, abs(end - 7000) < 40 + scale), (True, True), f"painted from {start} to {end}")
+    equal((levels == sorted(levels), levels[0] <= 10, levels[-1], len(levels) > 30), (True, True, 100, True), f"the level follows the pointer: {levels}")
+    equal(desk.js("desk.history.undo()"), "Paint", "in one step")
+    desk.press("h")
+    desk.drag((desk.x(1500), desk.y(4)), (desk.x(1500), desk.y(4, 30)))
+    (_, _, end, levels), = [one for one in desk.felt() if one[:2] == (4, 1000)]
+    levels = [int(level) for level in levels.split()]
+    low = levels.index(min(levels))
+    equal((abs(min(levels) - 30) <= 4, levels[:low + 1] == sorted(levels[:low + 1], reverse=True), levels[low:] == sorted(levels[low:]), end),
+          (True, True, True, parts[0][2]), f"a point in the middle of an event bends it: {levels}")
+    equal(desk.js("desk.history.undo()"), "Curve", "in one step")
+    desk.press("d", (Keys.SHIFT, "s"))
+    desk.driver.execute_script("desk.timeline.seek(8000)")
+    near = desk.x(8000) + 4
+    desk.drag((desk.x(9000), desk.y(0)), (near, desk.y(0)))
+    equal((desk.felt()[0][0], desk.felt()[0][1] > 8000), (0, True), "without snap, an edge stays where it is put")
+
+
 def wheel_and_fingers(desk):
     desk.open("?cues=3000")
     view = lambda: desk.js("[desk.timeline.view.from, desk.timeline.view.scale, desk.timeline.view.scroll]")
     desk.driver.execute_script("desk.timeline.show(100000, 200000)")
-    at = lambda x: view()[0] + (x - 44) * view()[1]
+    at = lambda x: view()[0] + (x - 76) * view()[1]
     before, under = view(), at(600)
-    desk.wheel((600, 200), 0, -300)
-    equal((round(before[1] / view()[1], 3), abs(at(600) - under) < 1), (1.822, True), "the wheel zooms by e^0.6, around the pointer")
-    desk.wheel((600, 200), 0, 300)
+    desk.wheel((600, 200), 0, -120, key=Keys.CONTROL)
+    equal((round(before[1] / view()[1], 3), abs(at(600) - under) < 1), (1.284, True), "Ctrl and a notch of the wheel zoom by e^0.25, around the pointer")
+    desk.wheel((600, 200), 0, 300, key=Keys.CONTROL)
     equal([round(one) for one in view()], [round(one) for one in before], "and back")
+    desk.wheel((600, 200), 0, 120)
+    equal((view()[1], abs(view()[0] - before[0] - 120 * before[1]) < 1), (before[1], True), "the wheel alone pans where all rows are in view")
+    desk.wheel((600, 200), 0, -120)
     desk.wheel((600, 200), 0, 120, key=Keys.SHIFT)
     equal(abs(view()[0] - before[0] - 120 * before[1]) < 1, True, "with Shift it pans")
     desk.wheel((600, 200), -120, 0)
@@ -325,7 +375,7 @@ def wheel_and_fingers(desk):
     desk.driver.execute_script("desk.timeline.show(0, 1e9)")
     equal(view()[0], 0, "not before the begin")
     for _ in range(3):
-        desk.wheel((600, 200), 0, 3000)
+        desk.wheel((600, 200), 0, 3000, key=Keys.CONTROL)
     equal(abs(desk.js("desk.timeline.view.to - desk.timeline.length")) < 1, True, "no further than all")
 
 
@@ -394,8 +444,8 @@ def large_and_many(desk):
         desk.press((Keys.SHIFT, Keys.RIGHT), Keys.ENTER)
         desk.drawn()
         equal(desk.felt()[-1][0:1] == (63,) or desk.js("desk.history.track.level(63, 10)") > 0, True, "drawn there")
-        desk.wheel((300, 200), 0, -5000, key=Keys.ALT)
-        equal(desk.js("desk.timeline.view.visibleCells[0]"), 0, "Alt and the wheel scroll the rows")
+        desk.wheel((300, 200), 0, -5000)
+        equal(desk.js("desk.timeline.view.visibleCells[0]"), 0, "the wheel scrolls the rows")
     finally:
         desk.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
@@ -431,7 +481,7 @@ def screen_readers(desk):
     equal(len(desk.driver.find_elements(By.CSS_SELECTOR, "#cues button")), 0, "an empty track")
 
 
-TESTS = [keyboard_alone, a_move_covers_nothing_on_its_way, keys_that_move_and_select, mouse, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
+TESTS = [keyboard_alone, a_move_covers_nothing_on_its_way, keys_that_move_and_select, mouse, tools, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
 
 
 def main():

@@ -24,7 +24,7 @@ for file in "$@"; do
   while IFS= read -r line; do
     line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/auto(video|audio)sink/fakesink sync=true/g; s/visuotactilesink/visuotactilesink video-sink=fakesink/g; s#FILM#$film#g; s#TRACK#$track#g; s#CARRIER#$carrier#g" <<<"$line")
     count=$((count + 1))
-    if ! (cd "$work" && eval "timeout 60 $line") >"$work/log" 2>&1; then
+    if ! (cd "$work" && eval "timeout 60 $line") >"$work/log" 2>&1 </dev/null; then
       failed=$((failed + 1))
       printf '%s: this line fails:\n  %s\n' "$file" "$line"
       tail -n 5 "$work/log"

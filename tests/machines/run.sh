@@ -108,6 +108,8 @@ in_machine() {
   shift
   # shellcheck disable=SC2016 # the inner shell's
   unshare --mount --pid --fork bash -c '
+    mount --bind "$0" "$0" # ip netns expects that / is a mount
+    cd "$0"
     for name in dev sys; do mount --rbind /$name "$0/$name"; done
     mount -t proc proc "$0/proc"
     mount -t tmpfs tmpfs "$0/tmp"

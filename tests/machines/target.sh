@@ -88,6 +88,10 @@ for package in "$folder"/apt/archives/*.deb; do
   dpkg-deb --fsys-tarfile "$package" | tar -x -C "$root" --exclude=./usr/share/doc --exclude=./usr/share/man --exclude=./usr/share/locale
 done
 rm -rf "$folder/apt"
+# From Debian 13 on, no package has a file outside /usr.
+for name in lib lib64; do
+  [ -e "$root/$name" ] || ln -s "usr/$name" "$root/$name"
+done
 
 # Links to absolute paths are within the folder.
 find "$root" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do

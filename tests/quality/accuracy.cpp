@@ -396,7 +396,8 @@ accuracy_table(const std::filesystem::path &data, int threads, OracleExtent exte
     table.add({ row.frames_of, row.map, row.front_end, std::to_string(row.frames),
                 std::to_string(row.compared), figure(row.delta_e, 3), figure(row.least, 5),
                 figure(row.percentile, 5), percent(row.share_999), percent(row.same_cell),
-                percent(row.as_good) });
+                percent(row.as_good) },
+              row.front_end == "default" && row.map != "spatial");
   return table;
 }
 

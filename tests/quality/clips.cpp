@@ -5,6 +5,7 @@
 #include "models.h"
 #include "parallel.h"
 #include "table.h"
+#include "tracks/formats/track_file.h"
 
 #include <opencv2/core.hpp>
 
@@ -101,8 +102,10 @@ public:
     scores.cues_per_minute = cues / std::chrono::duration<double, std::ratio<60>>(length_).count();
     scores.camera_moves = camera_moves_ / frames_;
     scores.cuts = cuts_;
-    return { clip.filename().string(), std::move(model), scores,
-             judge_ ? std::optional(judge_->scores()) : std::nullopt };
+    return { .clip = clip.filename().string(),
+             .model = std::move(model),
+             .scores = scores,
+             .labels = judge_ ? std::optional(judge_->scores()) : std::nullopt };
   }
 
 private:
@@ -117,13 +120,23 @@ private:
   std::optional<LabelJudge> judge_;
 };
 
-/// Those of a film in tests/quality/labels, by the film's name; none if nobody has labeled it.
-std::vector<Label>
-labels_of(const std::filesystem::path &film)
+/// The file in this folder, or in its folder `unseen`, that has the film's name; empty if none has.
+std::filesystem::path
+file_of(const std::filesystem::path &folder, const std::filesystem::path &film)
 {
-  const std::filesystem::path file
-      = std::filesystem::path(LABELS) / (film.stem().string() + ".csv");
-  return std::filesystem::exists(file) ? read_labels(file) : std::vector<Label>{};
+  const std::string name = film.stem().string() + ".csv";
+  for (const std::filesystem::path &file : { folder / name, folder / "unseen" / name })
+    if (std::filesystem::exists(file))
+      return file;
+  return {};
+}
+
+/// None if nobody has labeled it.
+std::vector<Label>
+labels_of(const std::filesystem::path &folder, const std::filesystem::path &film)
+{
+  const std::filesystem::path file = file_of(folder, film);
+  return file.empty() ? std::vector<Label>{} : read_labels(file);
 }
 
 /// What is felt of a frame.
@@ -241,21 +254,46 @@ score_peer(Peer peer, const std::filesystem::path &file, const std::vector<Label
   return rows;
 }
 
-std::vector<ClipRow>
-score_clip(const std::filesystem::path &file, Contenders contenders)
+/// What a method's track has at the times of the film's frames.
+std::optional<ClipRow>
+score_method(const Method &method, const std::filesystem::path &film,
+             const std::vector<Label> &labels, std::vector<FeltFrame> frames)
 {
-  const std::vector<Label> labels = labels_of(file);
+  const std::filesystem::path file = file_of(method.tracks, film);
+  if (file.empty())
+    return std::nullopt;
+  const auto track = tactile::read_track_file(file.string());
+  if (!track)
+    throw std::runtime_error(track.error().text());
+  if (track->rows() != kSide || track->columns() != kSide)
+    throw std::runtime_error(file.string() + ": expected 3 x 3 cells, got "
+                             + std::to_string(track->rows()) + " x "
+                             + std::to_string(track->columns()));
+  for (FeltFrame &frame : frames)
+    frame.map = track->at(frame.time);
+  return score_frames(frames, film, labels, method.name);
+}
+
+std::vector<ClipRow>
+score_clip(const std::filesystem::path &file, const ClipSet &set, Contenders contenders)
+{
+  const std::vector<Label> labels = labels_of(set.labels, file);
   std::vector<FeltFrame> felt;
   std::vector<ClipRow> rows;
   if (contenders == Contenders::all)
     rows.push_back(score_paper(file, labels));
   std::ranges::move(score_ours(file, labels, felt), std::back_inserter(rows));
-  if (labels.empty() || contenders == Contenders::ours)
-    return rows;
-  rows.push_back(score_center(felt, file, labels));
-  for (const Peer peer : kPeers)
-    if (is_available(peer))
-      std::ranges::move(score_peer(peer, file, labels, share_of(felt)), std::back_inserter(rows));
+  if (!labels.empty() && contenders == Contenders::all) {
+    rows.push_back(score_center(felt, file, labels));
+    for (const Peer peer : kPeers)
+      if (is_available(peer))
+        std::ranges::move(score_peer(peer, file, labels, share_of(felt)), std::back_inserter(rows));
+  }
+  for (const Method &method : set.methods)
+    if (auto row = score_method(method, file, labels, felt))
+      rows.push_back(*std::move(row));
+  for (ClipRow &row : rows)
+    row.unseen = file_of(set.labels, file).parent_path().filename() == "unseen";
   return rows;
 }
 
@@ -303,15 +341,15 @@ fitted_elsewhere(const std::vector<ClipRow> &rows)
 }
 
 std::vector<ClipRow>
-score_clips(const std::filesystem::path &directory, Contenders contenders, int threads)
+score_clips(const ClipSet &set, Contenders contenders, int threads)
 {
-  std::vector<std::filesystem::path> files = list_films(directory);
-  if (std::filesystem::exists(directory / "unseen"))
-    std::ranges::move(list_films(directory / "unseen"), std::back_inserter(files));
+  std::vector<std::filesystem::path> files = list_films(set.films);
+  if (std::filesystem::exists(set.films / "unseen"))
+    std::ranges::move(list_films(set.films / "unseen"), std::back_inserter(files));
   std::vector<std::vector<ClipRow>> found(files.size());
   in_parallel(
-      threads, files.size(), [&](std::size_t i) { found[i] = score_clip(files[i], contenders); },
-      "clips");
+      threads, files.size(),
+      [&](std::size_t i) { found[i] = score_clip(files[i], set, contenders); }, "clips");
   std::vector<ClipRow> rows;
   for (auto &some : found)
     std::ranges::move(some, std::back_inserter(rows));

@@ -27,8 +27,9 @@ struct ClipScores
 
 struct ClipRow
 {
-  std::string clip;  ///< the file's name
-  std::string model; ///< a profile or a peer
+  std::string clip;    ///< the file's name
+  bool unseen = false; ///< no constant was chosen on the film: its labels lie in the folder unseen
+  std::string model;   ///< a profile or a peer
   ClipScores scores;
   std::optional<LabelScores> labels; ///< where there are labels of the clip
 };
@@ -46,6 +47,14 @@ inline constexpr const char *kFitted = "tuned, fitted on the other films";
 /// other films.
 std::vector<ClipRow> fitted_elsewhere(const std::vector<ClipRow> &rows);
 
+/// Tracks that any method made of films: DIRECTORY/FILM.csv, as tactile-track writes them, for each
+/// film that is to be judged.
+struct Method
+{
+  std::string name;
+  std::filesystem::path tracks;
+};
+
 /// Which models score_clips() compares.
 enum class Contenders
 {
@@ -53,16 +62,22 @@ enum class Contenders
   all,
 };
 
-/// Analyzes the films of list_films(directory), and of its folder `unseen`, with `profile=paper`
-/// and `profile=tuned`, as saliencytactile does, decoded by decodebin to I420; those with labels by
-/// each available peer, too: as it is, and silent but for as many of its strongest frames as
-/// `tuned` is felt ("same share"). "center, same frames" is felt where `tuned` is, in the middle
-/// cell alone. Rows are sorted by the clip's name; paper, tuned, then peers.
+struct ClipSet
+{
+  std::filesystem::path films;  ///< those of list_films(), and of its folder `unseen`
+  std::filesystem::path labels; ///< FILM.csv, here or in its folder `unseen`
+  std::vector<Method> methods{};
+};
+
+/// Analyzes the films with `profile=paper` and `profile=tuned`, as saliencytactile does, decoded by
+/// decodebin to I420; those with labels by each available peer, too: as it is, and silent but for as
+/// many of its strongest frames as `tuned` is felt ("same share"). "center, same frames" is felt
+/// where `tuned` is, in the middle cell alone. Rows are sorted by the clip's name; paper, tuned,
+/// peers, then methods.
 ///
 /// `threads` ≥ 1 share the work, and the result does not depend on their number. Requires
-/// gst_init(). Throws std::runtime_error if there is no film, or if one cannot be played to its
-/// end.
-std::vector<ClipRow> score_clips(const std::filesystem::path &directory, Contenders contenders,
-                                 int threads);
+/// gst_init(). Throws std::runtime_error if there is no film, if one cannot be played to its end, or
+/// if a track cannot be read.
+std::vector<ClipRow> score_clips(const ClipSet &set, Contenders contenders, int threads);
 
 } // namespace quality

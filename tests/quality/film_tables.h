@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "clips.h"
 #include "film_cases.h"
 #include "summary.h"
 #include "table.h"
@@ -24,6 +25,7 @@ struct Extent
   int threads = 2;            ///< films at a time
   std::filesystem::path data; ///< where osie/ lies; empty: no photographs
   std::string scene{};        ///< those scenes of cinema whose name has it in it
+  ClipSet clips{};            ///< real films
 };
 
 std::string size_text(cv::Size size);

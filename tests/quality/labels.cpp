@@ -106,7 +106,7 @@ above(const std::vector<double> &strong, const std::vector<double> &weak)
 
 LabelJudge::LabelJudge(std::vector<Label> labels)
     : labels_(std::move(labels)), right_(labels_.size()), quiet_(labels_.size()),
-      levels_(labels_.size())
+      favorites_(labels_.size()), levels_(labels_.size())
 {
   for (const Label &label : labels_)
     found_.emplace_back(label.verdict == Verdict::felt ? static_cast<std::size_t>(
@@ -137,8 +137,11 @@ LabelJudge::frame(Time time, const tactile::TactileMap &map)
   felt_.add(felt);
   if (label->verdict == Verdict::quiet)
     quiet_[span].add(felt);
-  if (felt)
-    right_[span].add(right);
+  if (!felt)
+    return;
+  right_[span].add(right);
+  if (label->verdict != Verdict::quiet)
+    ++favorites_[span][static_cast<std::size_t>(strongest - map.levels.begin())];
 }
 
 LabelScores
@@ -154,6 +157,23 @@ LabelJudge::scores() const
     for (const bool window : windows)
       span.add(window);
     found.add(span);
+  }
+  std::array<double, kCells> often{};
+  double all = 0;
+  for (const auto &favorites : favorites_)
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      often[cell] += favorites[cell];
+      all += favorites[cell];
+    }
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    Mean &place = scores.place.emplace_back();
+    double chance = 0;
+    for (std::size_t cell = 0; cell < kCells && all > 0; ++cell)
+      chance += labels_[i].cells[cell] ? often[cell] / all : 0;
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      place.sum += favorites_[i][cell] * ((labels_[i].cells[cell] ? 1 : 0) - chance);
+      place.count += favorites_[i][cell] * (1 - chance);
+    }
   }
   Mean quiet;
   for (const Mean &span : quiet_)

@@ -45,6 +45,10 @@ struct LabelScores
   std::vector<Mean> right; ///< in each span, for precision
   std::vector<Mean> found; ///< in each span, for recall
   std::vector<Mean> quiet; ///< in each span, for quiet_felt
+  /// In each span with cells, how much better than chance the strongest cells of its felt frames
+  /// are: 0 if as often right as those of the film in any order, 1 if always. A method with one
+  /// favorite cell scores 0.
+  std::vector<Mean> place;
   /// For each of three strengths, the level of each of its spans to be felt: the upper quartile of
   /// its frames' strongest levels, silent ones too.
   std::array<std::vector<double>, 4> levels;
@@ -67,12 +71,13 @@ public:
 
 private:
   std::vector<Label> labels_;
-  std::vector<std::vector<bool>> found_;    ///< for each label, for each of its half seconds
-  std::vector<Mean> right_;                 ///< for each label, of its felt frames
-  std::vector<Mean> quiet_;                 ///< for each label, of its quiet frames
-  std::vector<std::vector<double>> levels_; ///< for each label, of its frames
-  Mean felt_;                               ///< of the judged frames
-  Mean full_;                               ///< of the felt frames
+  std::vector<std::vector<bool>> found_;      ///< for each label, for each of its half seconds
+  std::vector<Mean> right_;                   ///< for each label, of its felt frames
+  std::vector<Mean> quiet_;                   ///< for each label, of its quiet frames
+  std::vector<std::array<int, 9>> favorites_; ///< for each label, its frames' strongest cells
+  std::vector<std::vector<double>> levels_;   ///< for each label, of its frames
+  Mean felt_;                                 ///< of the judged frames
+  Mean full_;                                 ///< of the felt frames
 };
 
 } // namespace quality

@@ -102,24 +102,27 @@ Table::Table(std::string title, std::string caption, std::vector<std::string> he
 }
 
 void
-Table::add(std::vector<std::string> row)
+Table::add(std::vector<std::string> row, bool on_page)
 {
   if (row.size() != header_.size())
     throw std::invalid_argument("a row has as many cells as the header");
-  rows_.push_back(std::move(row));
+  rows_.push_back({ std::move(row), on_page });
 }
 
 void
-Table::write_markdown(std::ostream &out) const
+Table::write_markdown(std::ostream &out, const std::string &every) const
 {
   out << "## " << title_ << "\n\n";
-  write_lines(out, caption_);
+  write_lines(out, caption_ + (every.empty() ? "" : " [All figures](" + every + ")."));
+  if (std::ranges::none_of(rows_, &Row::on_page))
+    return;
   write_row(out, header_);
   for (std::size_t i = 0; i < header_.size(); ++i)
     out << "|---";
   out << "|\n";
   for (const auto &row : rows_)
-    write_row(out, row);
+    if (row.on_page)
+      write_row(out, row.cells);
   out << "\n";
 }
 
@@ -134,7 +137,7 @@ Table::write_csv(std::ostream &out) const
   };
   line("table", header_);
   for (const auto &row : rows_)
-    line(title_, row);
+    line(title_, row.cells);
 }
 
 std::string

@@ -15,11 +15,11 @@ public:
   /// The caption says in sentences what the columns are, if their names do not.
   Table(std::string title, std::string caption, std::vector<std::string> header);
 
-  /// Requires as many cells as in the header.
-  void add(std::vector<std::string> row);
+  /// Requires as many cells as in the header. A row that is not on the page is only in the CSV.
+  void add(std::vector<std::string> row, bool on_page = true);
 
-  /// As a section.
-  void write_markdown(std::ostream &out) const;
+  /// As a section, with a link to the file that has all figures, if there is one.
+  void write_markdown(std::ostream &out, const std::string &every = "") const;
   /// RFC 4180. Each line starts with the title.
   void write_csv(std::ostream &out) const;
 
@@ -27,10 +27,15 @@ private:
   std::string title_;
   std::string caption_;
   std::vector<std::string> header_;
-  std::vector<std::vector<std::string>> rows_;
+  struct Row
+  {
+    std::vector<std::string> cells;
+    bool on_page;
+  };
+  std::vector<Row> rows_;
 };
 
-/// A section of a page, and the same with every figure.
+/// A section of a page, and a table with every figure, if that has other columns.
 struct Section
 {
   Table table;

@@ -5,7 +5,7 @@
 // the literal paper, the tuned profile and its peers.
 #include "accuracy.h"
 #include "cinema_table.h"
-#include "clips.h"
+#include "clip_table.h"
 #include "film_tables.h"
 #include "photographs.h"
 #include "pictures.h"
@@ -46,6 +46,9 @@ struct Options
   gchar *scene = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
+  gchar *films = nullptr;
+  gchar *labels = nullptr;
+  gchar **methods = nullptr;
 };
 
 /// Of the pictures that no weight was tuned on.
@@ -94,80 +97,9 @@ photograph_section(const Extent &extent, Summary &summary)
     const PhotographScores s = row.mean();
     table.add({ row.model, row.split, std::to_string(row.pictures.size()), figure(s.nss, 3),
                 figure(s.auc_judd, 3), figure(s.shuffled_auc, 3), figure(s.cc, 3),
-                figure(s.cell_right, 3), figure(s.cell_cc, 3), figure(s.felt_nss, 3) });
+                figure(s.cell_right, 3), figure(s.cell_cc, 3), figure(s.felt_nss, 3) },
+              row.split == "validation" && !row.model.ends_with("× R"));
   }
-  return { table };
-}
-
-/// Whether a model of score_clips() is judged as `ours`, and not among its peers.
-bool
-is_compared(const ClipRow &row, const std::string &ours)
-{
-  return row.labels && (row.model == ours || !row.model.starts_with("tuned"));
-}
-
-/// Over the spans of the labels of all clips.
-SummaryRow
-clip_row(const std::vector<ClipRow> &rows, std::string figure,
-         std::vector<Mean> LabelScores::*spans, const std::string &ours = model_at(1))
-{
-  UnitsByModel units;
-  for (const ClipRow &row : rows)
-    if (is_compared(row, ours)) {
-      auto &all = units[row.model == ours ? model_at(1) : row.model];
-      all.insert(all.end(), (*row.labels.*spans).begin(), (*row.labels.*spans).end());
-    }
-  return summary_row("real films", std::move(figure), units);
-}
-
-/// Whether strong events feel stronger than weak ones, over all clips.
-SummaryRow
-strength_row(const std::vector<ClipRow> &rows)
-{
-  std::map<std::string, std::array<std::vector<double>, 4>> levels;
-  for (const ClipRow &row : rows)
-    if (is_compared(row, model_at(1)))
-      for (std::size_t i = 0; i < row.labels->levels.size(); ++i)
-        std::ranges::copy(row.labels->levels[i], std::back_inserter(levels[row.model][i]));
-  UnitsByModel units;
-  for (const auto &[model, by_strength] : levels)
-    units[model] = above(by_strength[3], by_strength[1]);
-  return summary_row("real films", "a blow feels stronger than a gesture", units);
-}
-
-Section
-clip_section(const Extent &extent, Summary &summary)
-{
-  auto rows = score_clips(extent.data / "clips", extent.quick ? Contenders::ours : Contenders::all,
-                          extent.threads);
-  std::ranges::move(fitted_elsewhere(rows), std::back_inserter(rows));
-  summary.push_back(clip_row(rows, "precision against labels", &LabelScores::right));
-  summary.push_back(clip_row(rows, "recall against labels", &LabelScores::found));
-  summary.push_back(clip_row(rows, "quiet time felt", &LabelScores::quiet));
-  summary.back().higher = false;
-  summary.push_back(strength_row(rows));
-  summary.push_back(
-      clip_row(rows, "precision, fitted on the other films", &LabelScores::right, kFitted));
-  summary.push_back(
-      clip_row(rows, "recall, fitted on the other films", &LabelScores::found, kFitted));
-  Table table("Real films",
-              "What is felt of the films in clips/, as shares of frames and of tactors. Precision "
-              "and recall are those of tests/quality/labels. Quiet felt: share of the time in "
-              "which nothing is to be felt. Full: share of the felt frames with a level above 0.9.",
-              { "clip", "model", "frames", "felt", "tactors felt", "at a time", "longest, s",
-                "longest of a tactor, s", "cues a minute", "camera moves", "cuts", "precision",
-                "recall", "quiet felt", "full" });
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::erase_if(rows, [](const ClipRow &row) {
-    return row.model.starts_with("tuned") && row.model != model_at(1) && row.model != kFitted;
-  });
-  for (const auto &[clip, model, s, labels] : rows)
-    table.add(
-        { clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
-          figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
-          figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
-          figure(labels ? labels->precision : kNone, 2), figure(labels ? labels->recall : kNone, 2),
-          percent(labels ? labels->quiet_felt : kNone), percent(labels ? labels->full : kNone) });
   return { table };
 }
 
@@ -268,12 +200,12 @@ struct NamedTable
 
 /// In the order of the page.
 constexpr std::array kTables{
+  NamedTable{ "clips", clip_section, true },
   NamedTable{ "photographs", photograph_section, true },
   NamedTable{ "films", ball_section, false },
   NamedTable{ "phantoms", phantom_section, false },
   NamedTable{ "cinema", [](const Extent &e, Summary &s) { return Section{ cinema_table(e, s) }; },
               false },
-  NamedTable{ "clips", clip_section, true },
   NamedTable{ "cues",
               [](const Extent &e, Summary &) { return Section{ cue_limit_table(e.threads) }; },
               false },
@@ -308,13 +240,31 @@ table_names()
   return names;
 }
 
+/// The films to judge, and tracks that others made of them.
+ClipSet
+clips_of(const Options &options)
+{
+  ClipSet set{ .films = options.films  ? std::filesystem::path(options.films)
+                        : options.data ? std::filesystem::path(options.data) / "clips"
+                                       : std::filesystem::path(),
+               .labels = options.labels ? options.labels : LABELS };
+  for (gchar **method = options.methods; method && *method; ++method) {
+    const std::string_view text = *method;
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string_view::npos || equals + 1 == text.size())
+      throw std::runtime_error("expected --method NAME=DIRECTORY, got '" + std::string(text) + "'");
+    set.methods.push_back({ std::string(text.substr(0, equals)), text.substr(equals + 1) });
+  }
+  return set;
+}
+
 /// Whether this table is to be made. Throws std::runtime_error if it was asked for and lacks its
 /// data.
 bool
 is_wanted(const Options &options, const NamedTable &table)
 {
   const bool named = options.tables && g_strv_contains(options.tables, table.name);
-  if (table.needs_data && !options.data) {
+  if (table.needs_data && !options.data && !(options.films && table.make == clip_section)) {
     if (named)
       throw std::runtime_error(std::string(table.name) + " need --data DIRECTORY");
     if (!options.tables)
@@ -338,11 +288,16 @@ bool
 report(const Options &options, const std::vector<std::string> &command)
 {
   check_names(options.tables);
-  const Extent extent{ options.quick != FALSE, options.full != FALSE, options.threads,
-                       options.data ? options.data : "", options.scene ? options.scene : "" };
+  if (options.csv)
+    std::filesystem::create_directories(options.csv);
+  const Extent extent{ options.quick != FALSE,
+                       options.full != FALSE,
+                       options.threads,
+                       options.data ? options.data : "",
+                       options.scene ? options.scene : "",
+                       clips_of(options) };
   Summary summary;
   std::ostringstream sections;
-  std::ostringstream csv;
   bool good = true;
   for (const auto &table : kTables) {
     if (!is_wanted(options, table))
@@ -350,9 +305,19 @@ report(const Options &options, const std::vector<std::string> &command)
     const gint64 start = g_get_monotonic_time();
     try {
       const Section section = table.make(extent, summary);
-      section.table.write_markdown(sections);
-      if (section.every)
-        section.every->write_csv(csv);
+      std::filesystem::path file;
+      if (options.csv) {
+        file = std::filesystem::path(options.csv) / (std::string(table.name) + ".csv");
+        std::ostringstream csv;
+        (section.every ? *section.every : section.table).write_csv(csv);
+        good &= write(file.c_str(), csv.str());
+      }
+      section.table.write_markdown(
+          sections,
+          options.markdown
+              ? file.lexically_proximate(std::filesystem::path(options.markdown).parent_path())
+                    .generic_string()
+              : file.generic_string());
       std::fprintf(stderr, "%s: %.0f s\n", table.name,
                    static_cast<double>(g_get_monotonic_time() - start) / 1e6);
     } catch (const std::exception &problem) {
@@ -372,8 +337,6 @@ report(const Options &options, const std::vector<std::string> &command)
   std::cout << markdown.str();
   if (options.markdown)
     good &= write(options.markdown, markdown.str());
-  if (options.csv)
-    good &= write(options.csv, csv.str());
   return good;
 }
 
@@ -399,8 +362,15 @@ main(int argc, char **argv)
     { "scene", 0, 0, G_OPTION_ARG_STRING, &options.scene,
       "Of the scenes of cinema those whose name has TEXT in it", "TEXT" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
-    { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write every figure of films as CSV",
-      "FILE" },
+    { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write every figure, one file a table",
+      "DIRECTORY" },
+    { "films", 0, 0, G_OPTION_ARG_FILENAME, &options.films, "Films of clips (DATA/clips)",
+      "DIRECTORY" },
+    { "labels", 0, 0, G_OPTION_ARG_FILENAME, &options.labels,
+      "Their labels, FILM.csv (tests/quality/labels)", "DIRECTORY" },
+    { "method", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.methods,
+      "Judge a method of yours on clips, by its tracks DIRECTORY/FILM.csv; may be repeated",
+      "NAME=DIRECTORY" },
     { "threads", 0, 0, G_OPTION_ARG_INT, &options.threads, "Films at a time (2)", "N" },
     { nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr },
   };

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The report of visuotactile-study against an independent computation: two-way within analysis of variance in closed form, Greenhouse and Geisser's
-correction, means and standard errors; data made to the paper's figures; marked sessions; power. Expects STUDY in the environment.
+correction, means and standard errors; data made to the paper's figures; marked sessions; power.
 
 Usage: report.py [TEST ...]
 """
@@ -89,12 +89,32 @@ def compare(rows, report):
 
 def the_same_as_in_closed_form(parent):
     folder = new_study(parent, "--effect=12", "--seed=3")
-    said = run_study("report", folder, f"--output={folder}/report")
+    said = run_study("report", folder)
     assert "12 people analyzed" in said
     compare(exported(folder), folder / "report")
+    assert "12 people analyzed" in run_study("report", folder), "its own report is replaced"
     page = (folder / "report/report.html").read_text(encoding="utf-8")
     assert "39.95" in page and "data:image/png;base64,iVBOR" in page and not re.search("(src|href)=\"(?!data:)", page)
     assert (folder / "report/report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def a_foreign_folder_is_kept(parent):
+    """What is of no report of this study is not replaced, also not the report of another study."""
+    folder, other = new_study(parent, "--people=2"), pathlib.Path(parent) / "thesis"
+    other.mkdir()
+    for kept in ({"report.html": "mine"}, {"report.html": "", "dictionary.tsv": "what\tname\tof\tlabel\ntitle\t\t\tAnother study\n"}):
+        for name, text in kept.items():
+            (other / name).write_text(text)
+        answer = subprocess.run([os.environ["STUDY"], "report", folder, f"--output={other}"], capture_output=True, text=True)
+        assert {path.name: path.read_text() for path in other.iterdir()} == kept, list(other.iterdir())
+        assert answer.returncode == 1 and f"'{other}' has other files" in answer.stderr and "--force" in answer.stderr, answer.stderr
+
+
+def unknown_factors_are_refused(parent):
+    folder = new_study(parent, "--people=2")
+    for words in (["power", folder], ["simulate", shutil.copytree(folder, f"{parent}/empty", ignore=shutil.ignore_patterns("data"))]):
+        answer = subprocess.run([os.environ["STUDY"], *words, "--factor=color"], capture_output=True, text=True)
+        assert answer.returncode == 2 and "expected --factor=NAME, a factor of the study, got 'color'" in answer.stderr, answer.stderr
 
 
 def standard(shape, generator):
@@ -145,6 +165,13 @@ def the_papers_conclusions(parent):
     page = (report / "report.html").read_text(encoding="utf-8")
     for text in ("<td>F(1,11) = 39.95 p &lt; .001</td><td>F(1, 11) = 39.95, p &lt; .001</td>", "89.00 (SE 2.68)", "60.00 (SE 5.48)"):
         assert text in page, text
+    # The paper's numbers beside this study's, on paper, too.
+    paper = subprocess.run(["pdftotext", "-layout", report / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+    beside = paper[paper.index("Published results beside"):paper.index("Analysis of variance")]
+    for question, f in PAPER_F.items():
+        assert re.search(rf"^{question} +cues +F\(1,11\) = {f} p < .001 +F\(1, 11\) = {f}, p < .001$", beside, re.MULTILINE), beside
+    for level, mean, error in (("static", 89, 2.68), ("real", 60, 5.48)):
+        assert re.search(rf"^QA +film={level} +mean = {mean} SE {error};.* {mean}.00 \(SE {error}\)$", beside, re.MULTILINE), beside
     if pictures := os.environ.get("PICTURES"):
         shutil.copytree(report, pictures, dirs_exist_ok=True)
 
@@ -201,6 +228,55 @@ def power_is_that_of_the_noncentral_f(parent):
     assert powers[needed] >= 0.8 and powers[needed - 1] < 0.8, said
 
 
+def by_covariances(data, group):
+    """p of conditions as Greenhouse and Geisser (Psychometrika 24, 1959) compute it, without contrasts: from sums of squares, and epsilon from the covariances
+    of the conditions. Groups count equally (type 3)."""
+    n, k = data.shape
+    groups = sorted(set(group))
+    rest = data - numpy.array([data[group == one].mean(0) for one in groups])[group]
+    covariance = rest.T @ rest / (n - len(groups))
+    rows, whole = covariance.mean(1), covariance.mean()
+    epsilon = k ** 2 * (numpy.trace(covariance) / k - whole) ** 2 / ((k - 1) * ((covariance ** 2).sum() - 2 * k * (rows ** 2).sum() + k ** 2 * whole ** 2))
+    codes = numpy.array([[1, *(int(one == other) - int(one == groups[-1]) for other in groups[:-1])] for one in group], float)  # the mean, and sums that are zero
+    own = data - data.mean(1, keepdims=True)
+    left = lambda design: ((own - design @ numpy.linalg.lstsq(design, own, rcond=None)[0]) ** 2).sum()
+    effect = (left(codes[:, 1:]) - left(codes)) if len(groups) > 1 else n * (own.mean(0) ** 2).sum()
+    error = ((rest - rest.mean(1, keepdims=True)) ** 2).sum()
+    df2 = (k - 1) * (n - len(groups))
+    return epsilon, stats.f.sf(effect / (k - 1) / (error / df2), epsilon * (k - 1), epsilon * df2)
+
+
+def greenhouse_and_geisser_in_power(parent):
+    """p of power's analysis for ratings whose conditions have unlike variances: as by covariances, and as R's own anova.mlm has it."""
+    generator = numpy.random.default_rng(50)
+    folder = pathlib.Path(parent)
+    script = """
+        arguments <- commandArgs(trailingOnly = TRUE)
+        source(file.path(Sys.getenv("VISUOTACTILE_STUDY_R"), "within.R"))
+        for (file in arguments) {
+          data <- as.matrix(read.csv(file, header = FALSE))
+          group <- data[, 1]; y <- data[, -1]
+          ours <- p_within(y %*% helmert(ncol(y)), group)
+          model <- if (max(group) > 1) lm(y ~ factor(group), contrasts = list("factor(group)" = contr.sum)) else lm(y ~ 1)
+          own <- anova(model, X = ~1, test = "Spherical")
+          cat(sprintf("%.15g %.15g\\n", ours, own[1, "G-G Pr"]))
+        }"""
+    expected, files = [], []
+    for groups, sizes, k in ((1, [12], 3), (1, [9], 6), (2, [8, 8], 4), (2, [5, 11], 3)):
+        group = numpy.repeat(range(groups), sizes)
+        data = generator.normal(0, 1, (sum(sizes), 1)) + generator.normal(0, 1, (sum(sizes), k)) * 3.0 ** numpy.arange(k) + numpy.linspace(0, 3, k) + group[:, None]
+        expected.append((*by_covariances(data, group), len(set(sizes)) == 1))
+        files.append(str(folder / f"{len(files)}.csv"))
+        numpy.savetxt(files[-1], numpy.column_stack([group + 1, data]), delimiter=",", fmt="%.17g")
+    (folder / "p.R").write_text(script)
+    said = subprocess.run(["Rscript", "--vanilla", folder / "p.R", *files], check=True, timeout=300, capture_output=True, text=True).stdout
+    found = [tuple(map(float, line.split())) for line in said.splitlines()]
+    assert len(found) == len(expected)
+    for (epsilon, p, is_even), (ours, own) in zip(expected, found):
+        assert epsilon < 0.85 and numpy.isclose(ours, p, rtol=1e-9), (epsilon, p, ours)
+        assert not is_even or numpy.isclose(ours, own, rtol=1e-9), (ours, own)  # anova.mlm weighs groups by their sizes
+
+
 def groups_of_people(parent):
     """A factor between: F by Welch-free two-sample t of people's means, as there are two groups."""
     folder = pathlib.Path(parent) / "study"
@@ -228,7 +304,7 @@ def missing_packages_are_named(parent):
     assert answer.returncode == 1 and "install r-cran-afex r-cran-emmeans" in answer.stderr, answer.stderr
 
 
-TESTS = [the_same_as_in_closed_form, the_papers_conclusions, marked_sessions_are_not_used, odd_studies, power_is_that_of_the_noncentral_f, groups_of_people, missing_packages_are_named]
+TESTS = [the_same_as_in_closed_form, a_foreign_folder_is_kept, unknown_factors_are_refused, the_papers_conclusions, marked_sessions_are_not_used, odd_studies, power_is_that_of_the_noncentral_f, greenhouse_and_geisser_in_power, groups_of_people, missing_packages_are_named]
 
 if __name__ == "__main__":
     for test in TESTS:

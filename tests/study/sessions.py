@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sessions of visuotactile-study in a real Chromium with simulated participants: orders, completeness, kills at every page, films that fail.
 
-Usage: sessions.py [--people=N] [--pictures=FOLDER] [TEST ...]      N: by default 2; 12 is the paper's study
+Usage: sessions.py [--people=N] [TEST ...]      N: by default 2; 12 is the paper's study
 """
 import collections
 import csv
@@ -16,12 +16,19 @@ from study_page import Person, Server, answers_of, chromium, change, exported, p
 from selenium.webdriver.common.by import By
 
 people = 2
-pictures = None
+pictures = None  # the folder of pictures.py
 
 
 def picture(driver, name):
     if pictures:
         driver.save_screenshot(str(pictures / f"{name}.png"))
+
+
+def look(driver, state, name):
+    """Takes a picture of the page of this state."""
+    key = f"{state['participant']} {state['step']['name']} {state['step']['phase']}"
+    wait_until(f"the page {key}", lambda: driver.execute_script("return document.body.dataset.key === arguments[0] && document.querySelector('#stage button, #stage input')", key))
+    picture(driver, name)
 
 
 def volts_of(path):
@@ -42,14 +49,12 @@ def the_paper_study(driver):
             person = Person(driver, server, number)
             seen = set()
 
-            def look(state):
+            def look_once(state):
                 kind = state["step"]["kind"] + state["step"].get("question", {}).get("kind", "")
                 if number == 1 and kind not in seen:
                     seen.add(kind)
-                    key = f"{state['participant']} {state['step']['name']} {state['step']['phase']}"
-                    wait_until(f"the page {key}", lambda: driver.execute_script("return document.body.dataset.key === arguments[0] && document.querySelector('#stage button, #stage input')", key))
-                    picture(driver, kind)
-            person.go(before=look)
+                    look(driver, state, kind)
+            person.go(before=look_once)
             given[name] = person.given
             assert len(person.given) == 4 + 6 * 4 + 3 * 2 + 1
         wait_until("the thanks", lambda: "Thank you" in driver.find_element(By.ID, "stage").text)
@@ -71,7 +76,7 @@ def the_paper_study(driver):
         for row in rows:
             if row["session"] == "end":
                 continue
-            assert set(row["marks"].split()) <= {"not-shown", "simulated", "no-commands"}, row
+            assert set(row["marks"].split()) <= {"not-shown", "no-noise", "simulated", "no-commands"}, row
             assert row["state"] == "done" and row["consent"] == "1" and row["settings"] and row["program"] and row["gstreamer"]
             assert int(row["frames"]) + int(row["frames_dropped"]) > 0, row
             volts = volts_of(folder / "data" / row["trace"])
@@ -80,7 +85,7 @@ def the_paper_study(driver):
                 assert not any(volts)
             elif row["cues"] == "with" and row["film"] != "static":
                 assert any(volts), row
-        print(f"{people} people, {len(rows)} answers, {sum('late' in row['marks'] for row in rows)} in late sessions", flush=True)
+        print(f"{people} people, {len(rows)} answers, {sum('late' in row['marks'].split() for row in rows)} in late sessions", flush=True)
 
 
 def killed_at_every_page(driver):
@@ -99,9 +104,6 @@ def killed_at_every_page(driver):
                 again = servers[-1].state()
                 assert again["participant"] == "P01" and again["step"]["name"] == state["step"]["name"], (again, state)
             person.moved_to(servers[-1])
-            if "L1" in steps[-1]:
-                wait_until("the scale", lambda: driver.find_elements(By.CSS_SELECTOR, "#stage input[type=radio]"))
-                picture(driver, "questionlikert")
         person.go(before=kill)
         servers[-1].end()
         rows = exported(folder)
@@ -155,10 +157,10 @@ def a_film_that_is_cut_off(driver):
         wait_until("the button", lambda: driver.find_element(By.ID, "again").is_enabled())
         driver.find_element(By.ID, "again").click()
         wait_until("the levels of the chair", lambda: driver.find_elements(By.CSS_SELECTOR, "#chair div"))
+        assert "playing, play 2" in driver.find_element(By.ID, "sessions").text
         picture(driver, "experimenter-film")
         driver.find_element(By.ID, "stop").click()
         wait_until("the end of the film", lambda: driver.find_element(By.ID, "go-on").is_enabled())
-        picture(driver, "experimenter-stopped")
         driver.get(server.address)
         person.moved_to(server)
         wait_until("the page", lambda: "call the experimenter" in driver.find_element(By.ID, "stage").text)
@@ -169,36 +171,25 @@ def a_film_that_is_cut_off(driver):
         assert {row["marks"] for row in exported(folder)} == {"repeated stopped not-shown simulated"}
 
 
-def the_chair_stops_first(_):
-    """A film is stopped: motors pause before the masking noise ends, whose sound server may hang."""
-    read, write = os.pipe()
-    with subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24"], pass_fds=[write], stderr=subprocess.DEVNULL) as screen:
-        os.close(write)
-        with os.fdopen(read, encoding="ascii") as line:
-            display = ":" + line.readline().strip()
-        try:
-            with small_study(buffers=3600, rate=1) as folder:
-                change(folder, ("film=film.mkv", "film=film.mkv\nnoise=0.1"))
-                log = folder / "states.log"
-                log.touch()
-                env = {**os.environ, "DISPLAY": display, "GST_DEBUG": "GST_STATES:5", "GST_DEBUG_FILE": str(log), "GST_DEBUG_NO_COLOR": "1"}
-                with Server(folder, env=env) as server:
-                    server.act("start")
-                    for step, answer in (("consent", "3"), ("instructions", "")):
-                        assert server.post("step", {"step": step, "answer": answer, "response": 1}).status == 200
-                    assert server.post("play", {"step": "1/film"}).status == 200
-                    wait_until("the film and the noise", lambda: all(f"<{name}> completed state change to PLAYING" in log.read_text() for name in ("chair", "audiotestsrc0")))
-                    before = log.stat().st_size
-                    server.act("stop")
-                    wait_until("the end", lambda: server.state()["step"]["phase"] == "failed")
-                    stopped = log.read_bytes()[before:].decode()
-                    assert 0 < stopped.index("<chair>") < stopped.index("audiotestsrc0"), stopped[:2000]
-                    assert "<chair> completed state change to PLAYING" not in stopped, stopped[:2000]
-                    # The participant's page does not start it again, the experimenter does.
-                    assert server.post("play", {"step": "1/film"}).status == 409
-                    assert "doubts" in (folder / "data/P01.journal").read_text()
-        finally:
-            screen.kill()
+def groups_and_a_questionnaire(driver):
+    """A factor between people, which the experimenter sees, and a questionnaire from a file."""
+    with small_study() as folder:
+        (folder / "hxi.txt").write_text("# The authors' words\n\nIt felt right.\nIt was late.\n")
+        change(folder, ("[question Q1]", "[factor age]\nlevels=young;old;\ndesign=between\n[question Q1]"),
+               ("[question E]", "[questionnaire HXI]\nfile=hxi.txt\nkind=likert\nlabels=no;so-so;yes;\nwhen=touch:on;\n[question E]"))
+        given = {}
+        with Server(folder) as server:
+            for number, group in ((1, "young"), (2, "old")):
+                server.act("start")
+                person = Person(driver, server, number)
+                person.go()
+                given[f"P0{number}", group] = person.given
+                driver.get(server.experimenter)
+                wait_until("the group", lambda: driver.find_element(By.ID, "who").text == f"P0{number}, {group}")
+        rows = exported(folder)
+        for (name, group), answers in given.items():
+            assert answers_of(rows, name) == answers and {row["age"] for row in rows if row["participant"] == name} == {group}
+            assert [row["touch"] for row in rows if row["participant"] == name and row["question"] in ("HXI1", "HXI2")] == ["on", "on"]
 
 
 def a_participant_is_dropped(driver):
@@ -238,15 +229,13 @@ def hostile_requests(driver):
         assert server.state()["step"]["name"] == "consent"
 
 
-TESTS = [the_paper_study, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, the_chair_stops_first, a_participant_is_dropped, hostile_requests]
+TESTS = [the_paper_study, groups_and_a_questionnaire, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
 
 if __name__ == "__main__":
     names = [word for word in sys.argv[1:] if not word.startswith("--")]
     for word in sys.argv[1:]:
         if word.startswith("--people="):
             people = int(word.removeprefix("--people="))
-        if word.startswith("--pictures="):
-            pictures = pathlib.Path(word.removeprefix("--pictures="))
     with chromium(width=1000, height=640) as browser:
         for test in TESTS:
             if not names or test.__name__ in names:

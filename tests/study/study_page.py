@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A study that runs, and its pages in a real Chromium. Expects STUDY (visuotactile-study) and what it needs in the environment."""
+"""A study that runs, and its pages in a real Chromium. Expects in the environment what `meson devenv -C build` sets; STUDY is the program of another place."""
 import contextlib
 import csv
 import io
 import os
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 import urllib.parse
 
+os.environ.setdefault("STUDY", shutil.which("visuotactile-study") or "visuotactile-study")
 HERE = pathlib.Path(__file__).resolve().parent
 for folder in ("desk", "tools"):
     sys.path.insert(0, str(HERE.parent / folder))

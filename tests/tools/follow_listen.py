@@ -130,6 +130,15 @@ def file():
         listener.end()
         assert "cannot listen to '" in listener.said() and (" is there" in listener.said()) == (mpv == paused.path), listener.said()
     paused.quit()
+    # No microphone is no silence, and no source is listened to before it has sound.
+    for source in ("--listen", "--listen=nowhere"):
+        listener = Listener("deaf", source, f"--tracks={library}", "--mpv=/nowhere", environment=dict(os.environ, PULSE_SERVER="unix:/nowhere"))
+        listener.wait_for("cannot listen to ")
+        listener.process.send_signal(signal.SIGINT)
+        listener.end()
+        assert "listens to" not in listener.said(), listener.said()
+    lacking = Listener("lacking", "--listen", "--mpv=/nowhere")
+    assert lacking.process.wait(LATEST) == 2 and "--listen needs --tracks" in lacking.said(), lacking.said()
     # No entries at first: it tries again, and --once goes on. A film that is learned behind a locked screen is known after.
     late = work / "late"
     late.mkdir()
@@ -161,6 +170,7 @@ def learn():
 def server():
     _, library, heard = make_film()
     assert "1 tracks" in track("index", library)
+    assert ".heard" not in json.loads((library / "tracks.json").read_text(encoding="utf-8"))["tracks"][0].get("film", ""), "an entry is no film"
     requests = []
 
     class Handler(http.server.SimpleHTTPRequestHandler):
@@ -185,6 +195,8 @@ def server():
     listener.process.send_signal(signal.SIGINT)
     listener.end()
     assert listener.said().count(f"no film can be listened for: '{address}/torn/Torn.heard': expected") == listener.said().count("Torn.heard") == 1, listener.said()
+    kept = work / "cache/visuotactile/heard"
+    assert not kept.exists() or not list(kept.iterdir()), "what is no entry is not kept"
     requests.clear()
     for time in range(2):  # the second time it is kept
         listener = Listener(f"server{time}", f"--listen={heard}", f"--tracks={address}", "--mpv=/nowhere")

@@ -296,6 +296,10 @@ def status():
     for number, offset in ((signal.SIGUSR1, 35), (signal.SIGUSR2, 25), (signal.SIGUSR2, 15)):
         follower.process.send_signal(number)
         wait_until(f"an offset of {offset}", lambda: f"offset={offset}\n" in remembered())
+    # With one film, whatever plays it.
+    assert ask("--nudge-film=-30") == "offset: -30 ms\n" and service.NudgeFilm(5.0, dbus_interface=NAME) == -25
+    assert "[film status.mkv]\noffset=-25\n" in remembered() and "offset=15\n" in remembered(), remembered()
+    assert (work / "config/visuotactile/follow.conf").stat().st_mode & 0o777 == 0o600
     # Another one follows, too, and says that it is not the one that is asked.
     other = Follower(mpv)
     other.wait_for("another visuotactile-follow has the name")
@@ -303,7 +307,7 @@ def status():
     follower.end()
     follower = Follower(mpv)
     follower.wait_for("plays 'status.mkv' with")
-    assert "offset:   +15 ms" in ask("--status")
+    assert "offset:   +15 ms, with this film -25 ms more" in ask("--status")
     follower.end()
     latencies_of_each_kind(mpv, bus)
     # What is no key file is not overwritten.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A film over HLS with the chair: tactile-track hls writes the track beside what ffmpeg made, a static server serves it, and
-playbin3's hlsdemux2 plays it, on demand and live. Environment: TRACK, the plugins on GST_PLUGIN_PATH_1_0"""
+gst-play-1.0 plays it, by playbin3's hlsdemux2, on demand and live. Environment: TRACK, the plugins on GST_PLUGIN_PATH_1_0"""
 
 import csv
 import functools
@@ -54,9 +54,10 @@ def play(folder, handler=http.server.SimpleHTTPRequestHandler):
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Logged, directory=folder)) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         subprocess.run(
-            ["gst-launch-1.0", "-q", "playbin3", f"uri=http://127.0.0.1:{server.server_port}/master.m3u8",
-             f"video-sink=visuotactilesink driver=simulator rate=0 trace-location={trace} video-sink=fakevideosink"],
-            env=os.environ | {"GST_PLUGIN_FEATURE_RANK": "tactilesubtitles:MAX"}, check=True, timeout=120)
+            ["gst-play-1.0", "--use-playbin3", "--no-interactive", "--audiosink=fakesink",
+             f"--videosink=visuotactilesink driver=simulator rate=0 trace-location={trace} video-sink=fakevideosink",
+             f"http://127.0.0.1:{server.server_port}/master.m3u8"],
+            env=os.environ | {"GST_PLUGIN_FEATURE_RANK": "tactilesubtitles:MAX"}, stdout=subprocess.DEVNULL, check=True, timeout=120)
         server.shutdown()
     felt = {}
     with open(trace, encoding="utf-8") as file:
@@ -94,6 +95,8 @@ for segments in "mpegts", "fmp4":
     again = run(os.environ["TRACK"], "diff", film / "tactile.ahap", track)
     assert again == "", again
     levels, requests = play(film)
+    late = [time - CUES[value] for value, time in levels.items()]
+    print(f"{segments}: {len(levels)} cues, {min(late):.3f} to {max(late):.3f} s late, {len(requests)} requests")
     expect_felt(levels, 0, sum(begin < SHORT for value, begin in CUES.items() if value != FIRST))
     assert f"/tactile/{SHORT - 1}.vtt" in requests, requests
 
@@ -128,6 +131,7 @@ class Live(http.server.SimpleHTTPRequestHandler):
 show(shown)
 assert "haptics" not in (film / "master.m3u8").read_text(encoding="utf-8")
 levels, requests = play(film, Live)
+print(f"live: {len(levels)} of {len(CUES)} cues, {len(requests)} requests")
 assert requests.count("/tactile/index.m3u8") > 1, requests
 # hlsdemux2 of GStreamer 1.22 leaves the last segment out if it comes with the end of the stream.
 assert f"/tactile/{len(parts) - 2}.vtt" in requests, requests

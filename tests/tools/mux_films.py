@@ -82,6 +82,11 @@ FILMS = {
     "uneven.mkv": (f"{PICTURE} {SOUND} {X264} -vf setpts=N*N*0.0009/TB -fps_mode vfr -c:a aac -metadata:s:v stereo_mode=left_right -output_ts_offset 36000",
                    {"ts": ["stereo 3d", "^video 0: side"]}),
 }
+# FFmpeg 7 has PCM in MP4, the mark of alpha beside Opus and rotation in transport streams, and no stereo mode in MP4.
+FFMPEG_7 = {"xvid.avi": {"mp4": []}, "mjpeg.avi": {"mp4": []}, "alpha_opus.webm": {"mkv": []}, "rotated.mov": {"ts": []},
+            "uneven.mkv": {"mp4": ["stereo 3d", "^video 0: side"]}}
+if int(re.search(r"version \D*(\d+)", subprocess.run(["ffmpeg", "-version"], capture_output=True, text=True, check=True).stdout).group(1)) >= 7:
+    FILMS |= {name: (FILMS[name][0], FILMS[name][1] | lost) for name, lost in FFMPEG_7.items()}
 # Of shared/data/files, where they are.
 for name in ("base.mkv", "bfonly.mkv", "h264.avi", "xvid.avi", "raw.h264", "rot90.mp4", "alpha.webm", "hours.ts", "wrap_s.ts", "reschange.ts", "vfr.mkv"):
     FILMS["shared/" + name] = (None, {})

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "command_line.h"
 
+#include "program.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
@@ -193,6 +195,8 @@ run_commands(const char *program, std::span<const Command> commands, int argc, c
   } catch (const UsageError &error) {
     print_error(program, name + ": " + error.what() + "; see " + program_and_name + " --help");
     return 2;
+  } catch (const Stopped &) {
+    return 130;
   } catch (const std::exception &error) {
     print_error(program, error.what());
     return 1;

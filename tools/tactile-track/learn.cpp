@@ -8,6 +8,7 @@
 #include "film/film.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
+#include "library/library.h"
 #include "listen/entry.h"
 #include "tracks/formats/track_file.h"
 
@@ -165,8 +166,10 @@ learn(int argc, char **argv)
     throw std::runtime_error("cannot read '" + track_path + "': " + bytes.error().reason);
   const fs::path folder = fs::path(track_path).parent_path();
   const std::string name = fs::path(track_path).filename().string();
-  const std::string path
-      = output.text((folder / (fs::path(names[0]).stem().string() + listen::kEntryEnding)).c_str());
+  const std::string stem = library::track_stem(name); // by which tactile-track index finds it
+  const std::string path = output.text(
+      (folder / ((stem.empty() ? fs::path(name).stem().string() : stem) + listen::kEntryEnding))
+          .c_str());
   if (!path.ends_with(listen::kEntryEnding))
     throw UsageError("'" + path + "': expected the ending " + listen::kEntryEnding);
   refuse_same_file(names[0], path);

@@ -10,6 +10,7 @@
 #include "library/track_index.h"
 #include "tracks/formats/track_file.h"
 
+#include <gio/gio.h>
 #include <gst/gst.h>
 
 #include <algorithm>
@@ -34,6 +35,15 @@ duration_of(const std::string &film)
   return std::nullopt;
 }
 
+/// Whether a name is one of a film, and not of its poster, subtitles or entry.
+bool
+is_film(const std::string &name)
+{
+  g_autofree gchar *type = g_content_type_guess(name.c_str(), nullptr, 0, nullptr);
+  g_autofree gchar *mime = g_content_type_get_mime_type(type);
+  return mime != nullptr && (g_str_has_prefix(mime, "video/") || g_str_has_prefix(mime, "audio/"));
+}
+
 /// Films of a folder, by their names without extension.
 std::map<std::string, fs::path>
 films_in(const fs::path &folder)
@@ -44,8 +54,7 @@ films_in(const fs::path &folder)
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     std::error_code none;
-    if (library::track_stem(name).empty() && entry->path().extension() != ".json"
-        && entry->is_regular_file(none))
+    if (library::track_stem(name).empty() && is_film(name) && entry->is_regular_file(none))
       films.emplace(entry->path().stem().string(), entry->path());
   }
   if (error)

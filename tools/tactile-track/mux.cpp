@@ -284,32 +284,27 @@ mux(int argc, char **argv)
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const auto [folder, name] = folder_and_name(out);
   const SignalsStop signals_stop;
-  try {
-    const FilmContents film = read_contents(path, [](double) {});
-    if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
-      throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
-    FilmAndTrack what{
-      .path = path, .film = film, .taken_out = older_tracks(path, film), .first = first != FALSE
-    };
-    for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
-      if (film.streams[static_cast<std::size_t>(i)].kind == FilmStream::kChapters)
-        what.taken_out.push_back(i);
-    what.cues
-        = tactile::cues_of(container == Container::transport_stream
-                               ? track
-                               : tactile::at_resolution(track, std::chrono::milliseconds(1), 100));
-    if (what.cues.empty())
-      throw std::runtime_error("'" + names[1]
-                               + "' has no cues; expected a track with one at least");
-    const Output subtitles(folder, name + ".srt");
-    what.subtitles = subtitles.part_path().string();
-    std::ofstream(what.subtitles, std::ios::binary) << as_subrip(what.cues);
-    const std::vector<std::string> lost
-        = Muxing(std::move(what), container, folder, name, common.quiet != FALSE)();
-    for (const std::string &one : lost)
-      std::fprintf(stderr, "tactile-track: not in '%s': %s\n", out.c_str(), one.c_str());
-    return lost.empty() ? 0 : kIncomplete;
-  } catch (const Stopped &) {
-    return 130;
-  }
+  const FilmContents film = read_contents(path, [](double) {});
+  if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
+    throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
+  FilmAndTrack what{
+    .path = path, .film = film, .taken_out = older_tracks(path, film), .first = first != FALSE
+  };
+  for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
+    if (film.streams[static_cast<std::size_t>(i)].kind == FilmStream::kChapters)
+      what.taken_out.push_back(i);
+  what.cues
+      = tactile::cues_of(container == Container::transport_stream
+                             ? track
+                             : tactile::at_resolution(track, std::chrono::milliseconds(1), 100));
+  if (what.cues.empty())
+    throw std::runtime_error("'" + names[1] + "' has no cues; expected a track with one at least");
+  const Output subtitles(folder, name + ".srt");
+  what.subtitles = subtitles.part_path().string();
+  std::ofstream(what.subtitles, std::ios::binary) << as_subrip(what.cues);
+  const std::vector<std::string> lost
+      = Muxing(std::move(what), container, folder, name, common.quiet != FALSE)();
+  for (const std::string &one : lost)
+    std::fprintf(stderr, "tactile-track: not in '%s': %s\n", out.c_str(), one.c_str());
+  return lost.empty() ? 0 : kIncomplete;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "draft_cache.h"
 
+#include "files/whole_file.h"
+
 #include "tracks/formats/track_file.h"
 
 #include <glib.h>
@@ -72,10 +74,8 @@ DraftCache::keep(const tactile::Track &draft, const std::string &film,
   if (g_mkdir_with_parents(folder_.c_str(), 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + folder_ + "': " + g_strerror(errno));
   const std::string text = tactile::write_track(draft, tactile::TrackFormat::webvtt, "");
-  g_autoptr(GError) error = nullptr;
-  if (!g_file_set_contents_full(file.c_str(), text.data(), static_cast<gssize>(text.size()),
-                                G_FILE_SET_CONTENTS_CONSISTENT, 0600, &error))
-    throw std::runtime_error("cannot write '" + file + "': " + error->message);
+  if (const auto written = files::replace_file(file, text, files::Readers::user); !written)
+    throw std::runtime_error("cannot write " + written.error());
   remove_old();
 }
 

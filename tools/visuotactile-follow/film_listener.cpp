@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,7 @@ namespace {
 constexpr int kRate = 16000;                          // Hz
 constexpr GstClockTime kPatience = 100 * GST_MSECOND; ///< between looks whether it shall stop
 constexpr const char *kMonitor = "monitor";
+constexpr std::size_t kMostComplaints = 20;
 
 bool
 is_sound_file(const std::string &source)
@@ -109,10 +111,12 @@ FilmListener::load()
             ? "no film can be listened for: " + complaints.front()
             : "expected entries of films (*.heard) in the library of --tracks, got none in '"
                   + settings_.library + "'; make them with tactile-track learn");
-  for (const std::string &complaint : complaints)
-    post({ .said = complaint });
-  for (const std::string &complaint : catalogue->complaints())
-    post({ .said = complaint });
+  std::ranges::copy(catalogue->complaints(), std::back_inserter(complaints));
+  for (std::size_t i = 0; i < std::min(complaints.size(), kMostComplaints); i++)
+    post({ .said = complaints[i] });
+  if (complaints.size() > kMostComplaints)
+    post({ .said
+           = std::to_string(complaints.size() - kMostComplaints) + " more entries are faulty" });
   catalogue_ = std::move(catalogue);
   post({ .loaded = catalogue_ });
 }
@@ -138,25 +142,41 @@ FilmListener::hear()
   if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
                              + start_error(bus.get()));
-  post({ .said = "listens to " + source_name(settings_.source) + " for "
-                 + std::to_string(catalogue_->index().films())
-                 + " films; sound is neither stored nor sent" });
   listen::Listener listener(*catalogue_, kRate);
   auto *sound = GST_APP_SINK(sink.get());
   while (!stops() && gst_app_sink_is_eos(sound) == FALSE) {
     g_autoptr(GstSample) sample = gst_app_sink_try_pull_sample(sound, kPatience);
+    expect_source(bus.get());
+    if (sample != nullptr && !std::exchange(listens_, true))
+      post({ .said = "listens to " + source_name(settings_.source) + " for "
+                     + std::to_string(catalogue_->index().films())
+                     + " films; sound is neither stored nor sent" });
     if (sample != nullptr)
       add(sample, listener);
-    g_autoptr(GstMessage) failed = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR);
-    if (failed == nullptr)
-      continue;
-    g_autoptr(GError) error = nullptr;
-    gst_message_parse_error(failed, &error, nullptr);
-    throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
-                             + error->message);
   }
   if (gst_app_sink_is_eos(sound) != FALSE)
     post({ .ended = is_sound_file(settings_.source), .gone = "the sound has ended" });
+}
+
+/// Throws std::runtime_error with an error of the pipeline. Where no microphone can be opened,
+/// autoaudiosrc posts a warning and is a source of silence.
+void
+FilmListener::expect_source(GstBus *bus) const
+{
+  while (true) {
+    g_autoptr(GstMessage) message = gst_bus_pop_filtered(
+        bus, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING));
+    if (message == nullptr)
+      return;
+    g_autoptr(GError) error = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+      gst_message_parse_error(message, &error, nullptr);
+    else if (settings_.source.empty() && GST_IS_BIN(GST_MESSAGE_SRC(message)))
+      gst_message_parse_warning(message, &error, nullptr);
+    if (error != nullptr)
+      throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
+                               + error->message);
+  }
 }
 
 void
@@ -180,15 +200,19 @@ FilmListener::add(GstSample *sample, listen::Listener &listener)
     return;
   const listen::Entry &film = catalogue_->films()[heard->film];
   if (!known_track_ || heard->film != film_number_) {
-    const auto track
-        = tactile::track_format(film.track_name()).and_then([&](tactile::TrackFormat format) {
-            return tactile::read_track(film.track().value_or(""), format);
-          });
+    const auto text = film.track();
+    if (!text) {
+      post({ .said = "the entry of '" + film.film() + "' has changed; its film is not followed" });
+      return;
+    }
+    auto track = tactile::track_format(film.track_name()).and_then([&](auto format) {
+      return tactile::read_track(*text, format);
+    });
     if (!track)
       post({ .said = "the track of '" + film.film() + "' is faulty: " + track.error().text() });
     film_number_ = heard->film;
-    known_track_
-        = track ? std::make_shared<tactile::Track>(*track) : std::make_shared<tactile::Track>(1, 1);
+    known_track_ = track ? std::make_shared<tactile::Track>(*std::move(track))
+                         : std::make_shared<tactile::Track>(1, 1);
   }
   g_autofree gchar *name = g_uri_escape_string(film.film().c_str(), nullptr, TRUE);
   post({ .heard = heard,

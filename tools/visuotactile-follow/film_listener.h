@@ -52,9 +52,13 @@ public:
   {
     return kHabits;
   }
-  bool yields() const override
+  follow::Source source() const override
   {
-    return true;
+    return follow::Source::listener;
+  }
+  bool is_announced() const override
+  {
+    return false;
   }
   std::shared_ptr<const tactile::Track> track() const override
   {
@@ -93,6 +97,7 @@ private:
     return g_cancellable_is_cancelled(stop_) != FALSE;
   }
   void hear();
+  void expect_source(GstBus *bus) const;
   void add(GstSample *sample, listen::Listener &listener);
   void post(News news);
   void take(const News &news);
@@ -112,6 +117,7 @@ private:
   follow::Time base_{ 0 };    ///< local time of running time 0
   /// Of the listening thread, like the next.
   std::shared_ptr<const listen::Catalogue> catalogue_;
+  bool listens_ = false; ///< sound has come
   bool knew_ = false;
   std::size_t film_number_ = 0;
   std::shared_ptr<const tactile::Track> known_track_;

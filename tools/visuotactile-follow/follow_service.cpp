@@ -18,6 +18,10 @@ constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1"
     <arg name="by" type="d" direction="in"/>
     <arg name="offset" type="d" direction="out"/>
   </method>
+  <method name="NudgeFilm">
+    <arg name="by" type="d" direction="in"/>
+    <arg name="offset" type="d" direction="out"/>
+  </method>
   <method name="PassOver"/>
   <property name="Player" type="s" access="read"/>
   <property name="State" type="s" access="read"/>
@@ -29,6 +33,7 @@ constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1"
   <property name="SyncTo" type="s" access="read"/>
   <property name="Latency" type="d" access="read"/>
   <property name="Offset" type="d" access="read"/>
+  <property name="FilmOffset" type="d" access="read"/>
 </interface></node>)";
 
 struct Unref
@@ -64,7 +69,8 @@ property_of(const FollowStatus &status, std::string_view name)
   return g_variant_new_double(name == "Position"  ? status.position
                               : name == "Ahead"   ? status.ahead
                               : name == "Latency" ? status.latency
-                                                  : status.offset);
+                              : name == "Offset"  ? status.offset
+                                                  : status.film_offset);
 }
 
 /// Calls the follower that runs; starts none.
@@ -134,7 +140,8 @@ FollowService::on_call(GDBusConnection *, const gchar *, const gchar *, const gc
     g_variant_get(arguments, "(d)", &by);
     if (!std::isfinite(by))
       throw std::runtime_error("expected a number of ms");
-    g_dbus_method_invocation_return_value(invocation, g_variant_new("(d)", calls.nudge(by)));
+    const auto &nudge = std::string_view(method) == "NudgeFilm" ? calls.nudge_film : calls.nudge;
+    g_dbus_method_invocation_return_value(invocation, g_variant_new("(d)", nudge(by)));
   } catch (const std::runtime_error &error) {
     g_dbus_method_invocation_return_error_literal(invocation, G_DBUS_ERROR, G_DBUS_ERROR_FAILED,
                                                   error.what());
@@ -173,13 +180,15 @@ ask_status()
            .ahead = number("Ahead"),
            .sync_to = words("SyncTo"),
            .latency = number("Latency"),
-           .offset = number("Offset") };
+           .offset = number("Offset"),
+           .film_offset = number("FilmOffset") };
 }
 
 double
-send_nudge(double by)
+send_nudge(double by, bool of_film)
 {
-  g_autoptr(GVariant) answer = call(kName, "Nudge", g_variant_new("(d)", by), "(d)");
+  g_autoptr(GVariant) answer
+      = call(kName, of_film ? "NudgeFilm" : "Nudge", g_variant_new("(d)", by), "(d)");
   double offset = 0;
   g_variant_get(answer, "(d)", &offset);
   return offset;

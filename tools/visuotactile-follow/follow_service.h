@@ -12,13 +12,14 @@ struct FollowStatus
   std::string player{};       ///< empty: none
   std::string state = "idle"; ///< idle, stopped, paused, waits, plays, lost or rests
   std::string film{};
-  std::string track{};   ///< its source; empty: none
-  std::string fault{};   ///< of a track that is therefore not felt; empty: none
-  double position = -1;  ///< s; < 0: unknown
-  double ahead = -1;     ///< s of the track known from the position on; < 0: all
-  std::string sync_to{}; ///< screen or sound
-  double latency = 0;    ///< ms: of the screen, or of the sound
-  double offset = 0;     ///< ms of delay on top of it
+  std::string track{};    ///< its source; empty: none
+  std::string fault{};    ///< of a track that is therefore not felt; empty: none
+  double position = -1;   ///< s; < 0: unknown
+  double ahead = -1;      ///< s of the track known from the position on; < 0: all
+  std::string sync_to{};  ///< screen or sound
+  double latency = 0;     ///< ms: of the screen, or of the sound
+  double offset = 0;      ///< ms of delay on top of it
+  double film_offset = 0; ///< ms of delay with this film on top of that
 };
 
 /// A running follower on the session bus: org.visuotactile.Follow1 at /org/visuotactile/Follow1. Of
@@ -30,8 +31,9 @@ public:
   {
     std::function<FollowStatus()> status;
     std::function<double(double by)>
-        nudge;                       ///< returns the offset, in ms. Throws std::runtime_error.
-    std::function<void()> pass_over; ///< a faulty track. Throws std::runtime_error.
+        nudge; ///< returns the offset, in ms. Throws std::runtime_error.
+    std::function<double(double by)> nudge_film; ///< likewise
+    std::function<void()> pass_over;             ///< a faulty track. Throws std::runtime_error.
     std::function<void(const std::string &)> told;
   };
 
@@ -56,7 +58,8 @@ private:
 
 /// The state of the running follower. Throws std::runtime_error if there is none.
 FollowStatus ask_status();
-/// Moves the vibration, and returns the player's offset, in ms. Throws std::runtime_error.
-double send_nudge(double by);
+/// Moves the vibration, and returns the offset of the player, or of the film, in ms. Throws
+/// std::runtime_error.
+double send_nudge(double by, bool of_film);
 /// Skips a faulty track. Throws std::runtime_error.
 void send_pass_over();

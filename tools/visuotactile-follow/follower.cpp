@@ -58,6 +58,10 @@ Follower::Follower(const FollowSettings &settings)
                                   } }),
       listens_(settings_.listens.has_value())
 {
+  if (settings_.server && !timing_.server(*settings_.server))
+    throw std::runtime_error(std::string("expected server= and token= in the group [")
+                             + name_of(*settings_.server) + "] of '" + PlayerTiming::usual_path()
+                             + "'");
   g_autoptr(GError) error = nullptr;
   bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
   if (bus_ == nullptr && !settings_.mpris.empty()) {
@@ -138,6 +142,7 @@ Follower::run()
     service_ = std::make_unique<FollowService>(
         bus_, FollowService::Calls{ .status = [this] { return status(); },
                                     .nudge = [this](double by) { return nudge(by); },
+                                    .nudge_film = [this](double by) { return nudge_film(by); },
                                     .pass_over = [this] { film_track_.pass_over(); },
                                     .told =
                                         [this](const std::string &text) {
@@ -162,9 +167,14 @@ Follower::list()
       },
       this));
   g_main_loop_run(loop_);
-  if (players_.empty())
+  const bool is_any = std::ranges::any_of(players_, [](const auto &one) {
+    return one.second.player->is_announced() || one.second.last.received > follow::Time(0);
+  });
+  if (!is_any)
     std::puts("No player is there.");
   for (const auto &[key, followed] : players_) {
+    if (!followed.player->is_announced() && followed.last.received == follow::Time(0))
+      continue; // it may not exist
     const auto estimate = followed.estimator.at(local_time());
     std::printf("%s: %s", followed.player->name().c_str(), word(followed.last.doing));
     if (!followed.last.film.empty())
@@ -191,15 +201,35 @@ Follower::look_for_players()
   look_for_mpv();
   if (kodi_ && looks_for_kodi_ && !players_.contains(kKodi))
     kodi_->look();
+  look_for_servers();
   look_for_sound();
+}
+
+void
+Follower::look_for_servers()
+{
+  if (!settings_.uses_servers || players_.size() >= kMostPlayers)
+    return;
+  for (const follow::ServerKind kind : follow::kServerKinds) {
+    const std::string key = name_of(kind);
+    if ((settings_.server && *settings_.server != kind) || players_.contains(key))
+      continue;
+    if (const auto server = timing_.server(kind);
+        server && attempts_[key].retry.is_due(local_time())) {
+      if (timing_.is_public() && !std::exchange(told_of_token_, true))
+        tell("others can read the token in '" + PlayerTiming::usual_path() + "': chmod 600 it");
+      add(key, std::make_unique<ServerPlayer>(*server, events_of(key),
+                                              [this](const std::string &text) { tell(text); }));
+    }
+  }
 }
 
 /// Does nothing while nobody is in the chair.
 void
 Follower::look_for_sound()
 {
-  if (!listens_ || rests_ || lists_ || players_.contains(kSound)
-      || !listening_.is_due(local_time()))
+  if (!listens_ || rests_ || lists_ || players_.contains(kSound) || players_.size() >= kMostPlayers
+      || !attempts_[kSound].retry.is_due(local_time()))
     return;
   FilmListener::Calls calls{ .said = [this](const std::string &text) { tell(text); },
                              .loaded = [this](auto catalogue) { catalogue_ = catalogue; },
@@ -233,7 +263,7 @@ Follower::missed_kodi(const std::string &why, bool is_other)
 void
 Follower::look_for_mpv()
 {
-  if (settings_.mpv_socket.empty() || players_.contains(kMpv))
+  if (settings_.mpv_socket.empty() || players_.contains(kMpv) || players_.size() >= kMostPlayers)
     return;
   auto player = follow::open_mpv(settings_.mpv_socket, events_of(kMpv));
   if (player)
@@ -267,7 +297,7 @@ Follower::add(const std::string &key, std::unique_ptr<follow::Player> player)
 {
   if (players_.size() >= kMostPlayers)
     return;
-  if (!player->yields()) // a listener says when it listens
+  if (player->is_announced())
     tell(player->name() + " is there");
   const follow::Habits habits = player->habits();
   players_[key] = { .player = std::move(player),
@@ -291,9 +321,9 @@ Follower::reported(const std::string &key, const Report &report)
     player.was_paused = player.has_played && report.doing == Doing::paused;
   if (report.sought)
     player.found = report.received;
-  if (key == kSound) {
-    listening_.worked();
-    not_heard_.clear();
+  if (const auto attempts = attempts_.find(key); attempts != attempts_.end()) {
+    attempts->second.retry.worked();
+    attempts->second.failure.clear();
   }
   player.last = report;
   if (goes_on && session_)
@@ -311,9 +341,10 @@ Follower::gone(const std::string &key, const std::string &why)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.is_gone = true;
-  if (key == kSound && listens_)
-    listening_.failed(local_time());
-  if (key != kSound || std::exchange(not_heard_, why) != why)
+  const auto attempts = attempts_.find(key);
+  if (attempts != attempts_.end())
+    attempts->second.retry.failed(local_time());
+  if (attempts == attempts_.end() || std::exchange(attempts->second.failure, why) != why)
     tell(found->second.player->name() + " is gone: " + why);
   update();
 }
@@ -334,11 +365,12 @@ Follower::choose()
     players.push_back(&followed);
     candidates.push_back({ .doing = followed.last.doing,
                            .is_faulty = !followed.player->fault().empty(),
-                           .is_heard = followed.player->yields(),
+                           .source = followed.player->source(),
                            .found = followed.found });
   }
   const auto best = choice_.choose(candidates, current, local_time());
-  if (best && std::exchange(current_, players[*best]) != players[*best]) {
+  Followed *chosen = best ? players[*best] : nullptr;
+  if (std::exchange(current_, chosen) != chosen && chosen != nullptr) {
     cues_.change_player();
     set_delay();
   }
@@ -353,6 +385,12 @@ Follower::change_film()
     return;
   film_ = film;
   position_ = follow::Time(0);
+  if (current_ != nullptr)
+    set_delay();
+  // Motors first: a slow disk may take its time.
+  track_.reset();
+  cues_.set_track(nullptr);
+  chair_.take(cues_.step({}, local_time(), chair_.ahead()));
   film_track_.open(film, current_ != nullptr ? current_->player->track() : nullptr);
 }
 
@@ -456,9 +494,11 @@ Follower::tick()
     return one.first != kSound && !one.second.is_gone && one.second.has_played;
   });
   const bool has_left = std::ranges::any_of(players_, [&](const auto &one) {
-    // A listener that failed tries again. A file that has ended is the end unless a player has
-    // played, too.
-    return one.second.is_gone && (one.first != kSound || (!listens_ && !others_play));
+    // A listener or a server that failed is tried again. A file that has ended is the end unless a
+    // player has played, too.
+    return one.second.is_gone
+           && (!attempts_.contains(one.first)
+               || (one.first == kSound && !listens_ && !others_play));
   });
   std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
   if (has_left && settings_.once)

@@ -30,6 +30,8 @@ struct FollowSettings
   bool insists_on_mpv = false;                     ///< prints a message while mpv is missing
   std::string kodi;                                ///< HOST[:PORT]; empty: none
   bool insists_on_kodi = false;                    ///< prints a message while Kodi is missing
+  std::optional<follow::ServerKind> server{};      ///< only this media server
+  bool uses_servers = true;                        ///< those of the user's settings
   std::optional<FilmListener::Settings> listens{}; ///< none: it does not
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
@@ -75,6 +77,7 @@ private:
   void look_for_players();
   void look_for_mpv();
   void look_for_sound();
+  void look_for_servers();
   void found_kodi(GSocketConnection *connection);
   void missed_kodi(const std::string &why, bool is_other);
   void appeared(const std::string &bus_name);
@@ -91,6 +94,7 @@ private:
   void update();
   std::optional<follow::PositionEstimator::Estimate> film_position(follow::Time now) const;
   double nudge(double by);
+  double nudge_film(double by);
   gboolean nudged(double by);
   void set_delay();
   std::string no_position() const;
@@ -128,9 +132,15 @@ private:
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;
   bool looks_for_kodi_ = true;
+  bool told_of_token_ = false;
   bool listens_; ///< until a file has ended
-  Retry listening_;
-  std::string not_heard_; ///< why it failed to listen, as the user knows it
+  /// Of players that are tried again after they failed: the listener, servers.
+  struct Attempts
+  {
+    Retry retry{};
+    std::string failure{}; ///< the last one, as the user knows it
+  };
+  std::map<std::string, Attempts> attempts_;
   std::shared_ptr<const listen::Catalogue> catalogue_;
   bool lists_ = false; ///< the players, and follows none
 };

@@ -39,6 +39,19 @@ Follower::nudge(double by)
   return offset;
 }
 
+double
+Follower::nudge_film(double by)
+{
+  if (current_ == nullptr || film_.empty())
+    throw std::runtime_error("no film plays whose time could be moved");
+  const std::string film = library::film_name(film_);
+  timing_.set_film_offset(film, timing_.film_offset(film) + by);
+  set_delay();
+  const double offset = timing_.film_offset(film);
+  tell("the offset of '" + film + "' is " + std::to_string(std::lround(offset)) + " ms");
+  return offset;
+}
+
 gboolean
 Follower::nudged(double by)
 {
@@ -63,6 +76,8 @@ Follower::latency() const
 {
   const follow::Player &player = *current_->player;
   const std::string kind = player_kind(player.name());
+  if (player.source() == follow::Source::listener) // it hears what is audible, when it is
+    return timing_.sound_latency(kind).value_or(0);
   if (sync_to() == SyncTo::screen)
     return settings_.screen_latency.value_or(timing_.screen_latency(kind).value_or(0));
   const std::chrono::duration<double, std::milli> measured = player.sound_latency();
@@ -72,7 +87,8 @@ Follower::latency() const
 void
 Follower::set_delay()
 {
-  const double later = latency() + timing_.offset(player_kind(current_->player->name()));
+  const double later = latency() + timing_.offset(player_kind(current_->player->name()))
+                       + timing_.film_offset(library::film_name(film_));
   cues_.set_delay(follow::Time(std::llround(later * 1e6)));
 }
 
@@ -99,6 +115,7 @@ Follower::status() const
   status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
+  status.film_offset = timing_.film_offset(status.film);
   if (const auto estimate = film_position(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);

@@ -29,6 +29,7 @@ struct Options
   TextOption mpv{};
   TextOption mpris{};
   TextOption kodi{};
+  TextOption server{};
   TextOption tracks{};
   std::optional<std::string> listen{};
   gdouble listen_latency = 0; ///< ms
@@ -37,6 +38,7 @@ struct Options
   gdouble screen_latency = kNotSet; ///< ms
   gdouble sound_latency = kNotSet;  ///< ms
   gdouble nudge = 0;                ///< ms; 0: none
+  gdouble nudge_film = 0;           ///< ms; 0: none
   gboolean no_drafts = FALSE;
   gboolean once = FALSE;
   gboolean list = FALSE;
@@ -52,6 +54,13 @@ expect_ms(const char *name, gdouble value)
 {
   if (value != kNotSet && !(std::abs(value) <= PlayerTiming::kMost))
     throw UsageError(std::string("--") + name + " is a number of ms from -5000 to 5000");
+}
+
+std::optional<follow::ServerKind>
+server_of(const std::string &name)
+{
+  const auto *found = std::ranges::find(follow::kServerKinds, name, follow::name_of);
+  return found != std::end(follow::kServerKinds) ? std::optional(*found) : std::nullopt;
 }
 
 gboolean
@@ -73,6 +82,9 @@ read_command_line(int argc, char **argv, Options &options)
       "Follow this player on the session bus, a name that --list-players prints", "NAME" },
     { "kodi", 0, 0, G_OPTION_ARG_STRING, &options.kodi.value,
       "Follow Kodi through JSON-RPC on this host (default port: 9090)", "HOST[:PORT]" },
+    { "server", 0, 0, G_OPTION_ARG_STRING, &options.server.value,
+      "Follow a session of this media server, whose address and token are in follow.conf",
+      "jellyfin|emby|plex" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
       "Folder of tracks, or its address on a web server, for films without a track beside them",
       "DIR|URL" },
@@ -105,6 +117,8 @@ read_command_line(int argc, char **argv, Options &options)
       "Delay the vibration of the running visuotactile-follow, in ms (negative: advance it), "
       "store the sum for this kind of player, and exit",
       "MS" },
+    { "nudge-film", 0, 0, G_OPTION_ARG_DOUBLE, &options.nudge_film,
+      "As --nudge, but store the sum for the film that plays, with any player", "MS" },
     { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
       "Make the running visuotactile-follow skip the film's faulty track in its present form, "
       "for another track or a draft, and exit",
@@ -123,8 +137,10 @@ read_command_line(int argc, char **argv, Options &options)
                   .summary
                   = "Plays the track of a film on the chair, in sync with the film in another\n"
                     "program: mpv, Kodi, VLC, a browser and other players that report their\n"
-                    "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus.\n"
-                    "Without --mpv, --kodi and --mpris, any player that plays is followed.\n\n"
+                    "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus,\n"
+                    "and players of Jellyfin, Emby and Plex through their server.\n"
+                    "Without --mpv, --kodi, --mpris and --server, any player that plays is\n"
+                    "followed.\n\n"
                     "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
                     ".haptic, .ahap, .funscript, .tact) beside it, in the film, or in the library\n"
                     "of --tracks; tactile-track makes it. For other films on this computer, a\n"
@@ -142,12 +158,19 @@ read_command_line(int argc, char **argv, Options &options)
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
-  expect_ms("listen-latency", options.listen_latency);
+  expect_ms("nudge-film", options.nudge_film);
+  if (!(std::abs(options.listen_latency) <= PlayerTiming::kMost))
+    throw UsageError("--listen-latency is a number of ms from -5000 to 5000");
+  if (options.listen && !options.tracks.is_set())
+    throw UsageError("--listen needs --tracks, with the folder or address of entries of films "
+                     "(tactile-track learn)");
   if (!sync_of(options.sync_to.text("screen")))
     throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
+  if (options.server.is_set() && !server_of(options.server.text()))
+    throw UsageError("--server is jellyfin, emby or plex, not '" + options.server.text() + "'");
   expect_driver(options.chair.driver.text());
   const bool plays = !options.version && !options.list && !options.status && !options.pass_over
-                     && options.nudge == 0;
+                     && options.nudge == 0 && options.nudge_film == 0;
   if (plays && !options.common.quiet)
     defaults.print();
 }
@@ -188,19 +211,22 @@ print_status()
   if (status.player.empty())
     return;
   std::printf("%-9s %+.0f ms, of the %s\n", "latency:", status.latency, status.sync_to.c_str());
-  std::printf("%-9s %+.0f ms\n", "offset:", status.offset);
+  std::printf("%-9s %+.0f ms, with this film %+.0f ms more\n", "offset:", status.offset,
+              status.film_offset);
 }
 
 void
 run(const Options &options)
 {
   if (options.nudge != 0)
-    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge));
+    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge, false));
+  if (options.nudge_film != 0)
+    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge_film, true));
   if (options.pass_over)
     send_pass_over();
   if (options.status)
     print_status();
-  if (options.nudge != 0 || options.pass_over || options.status)
+  if (options.nudge != 0 || options.nudge_film != 0 || options.pass_over || options.status)
     return;
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;
@@ -211,9 +237,10 @@ run(const Options &options)
       std::filesystem::exists(tracks, error) && !std::filesystem::is_directory(tracks, error))
     throw std::runtime_error("'" + tracks
                              + "' is not a folder; expected a folder or an address for --tracks");
-  const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
+  const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set()
+                   && !options.server.is_set();
   std::optional<FilmListener::Settings> listens;
-  if (options.listen)
+  if (options.listen && !options.list)
     listens = { .source = *options.listen,
                 .library = options.tracks.text(),
                 .latency = follow::Time(std::llround(options.listen_latency * 1e6)) };
@@ -222,6 +249,8 @@ run(const Options &options)
         .insists_on_mpv = options.mpv.is_set(),
         .kodi = options.kodi.text(any ? usual_kodi().c_str() : ""),
         .insists_on_kodi = options.kodi.is_set(),
+        .server = server_of(options.server.text()),
+        .uses_servers = any || options.server.is_set(),
         .listens = listens,
         .uses_bus = any || options.mpris.is_set(),
         .mpris = options.mpris.text(),

@@ -8,7 +8,8 @@
 #include <span>
 
 /// Chooses the player that is followed: one that plays, of these one that reports its position,
-/// then what is heard. A paused film is prepared, so that it is felt from its first moment on.
+/// then what is heard, then what a media server reports coarsely. A paused film is prepared, so
+/// that it is felt from its first moment on.
 ///
 /// A listener notices some seconds late that a film has stopped. So it replaces a player only with
 /// a film that it has found in sound from after that player's last moment of play, or that it still
@@ -19,8 +20,8 @@ public:
   struct Candidate
   {
     follow::Doing doing = follow::Doing::stopped;
-    bool is_faulty = false;  ///< its position is of no use
-    bool is_heard = false;   ///< by a listener, not reported by the player
+    bool is_faulty = false; ///< its position is of no use
+    follow::Source source = follow::Source::player;
     follow::Time found{ 0 }; ///< local time at which a listener found the film, or its place, anew
   };
 
@@ -35,4 +36,7 @@ private:
   int rank(const Candidate &player, follow::Time now) const;
 
   std::optional<follow::Time> played_{}; ///< a reporting player that was followed, last
+  /// When a media server's player played last, if none plays now.
+  std::optional<follow::Time> coarse_played_{};
+  bool coarse_plays_ = false;
 };

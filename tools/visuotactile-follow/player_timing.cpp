@@ -2,6 +2,9 @@
 #include "player_timing.h"
 
 #include "files/regular_file.h"
+#include "files/whole_file.h"
+
+#include <glib/gstdio.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -95,6 +98,35 @@ PlayerTiming::sound_latency(const std::string &kind) const
   return number(kind, "sound-latency");
 }
 
+std::optional<ServerSettings>
+PlayerTiming::server(follow::ServerKind kind) const
+{
+  const auto text = [&](const char *key) -> std::string {
+    g_autofree gchar *value = g_key_file_get_string(file_.get(), name_of(kind), key, nullptr);
+    return value != nullptr ? value : "";
+  };
+  ServerSettings settings{
+    .kind = kind, .address = text("server"), .token = text("token"), .device = text("device")
+  };
+  return !settings.address.empty() && !settings.token.empty() ? std::optional(std::move(settings))
+                                                              : std::nullopt;
+}
+
+bool
+PlayerTiming::is_public() const
+{
+  GStatBuf status;
+  return g_stat(path_.c_str(), &status) == 0 && (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
+}
+
+/// Names of groups have no brackets and control characters.
+std::string
+PlayerTiming::film_group(const std::string &film)
+{
+  g_autofree gchar *name = g_uri_escape_string(film.c_str(), nullptr, FALSE);
+  return std::string("film ") + name;
+}
+
 double
 PlayerTiming::offset(const std::string &kind) const
 {
@@ -107,10 +139,12 @@ PlayerTiming::set_offset(const std::string &kind, double offset)
   read();
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
-  g_autoptr(GError) error = nullptr;
   if (g_mkdir_with_parents(folder, 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + std::string(folder)
                              + "': " + g_strerror(errno));
-  if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
-    throw std::runtime_error("cannot write '" + path_ + "': " + error->message);
+  gsize length = 0;
+  g_autofree gchar *text = g_key_file_to_data(file_.get(), &length, nullptr);
+  const auto written = files::replace_file(path_, { text, length }, files::Readers::user);
+  if (!written)
+    throw std::runtime_error("cannot write " + written.error());
 }

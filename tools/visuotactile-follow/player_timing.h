@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "server_player.h"
+
 #include <glib.h>
 
 #include <memory>
@@ -28,6 +30,13 @@ const char *name_of(SyncTo sync);
 ///     screen-latency=40
 ///     sound-latency=120
 ///     offset=10
+///
+/// the offset with one film, `[film Big%20Buck%20Bunny.mkv]`, and how media servers are reached:
+///
+///     [jellyfin]
+///     server=http://192.168.1.10:8096
+///     token=0123456789abcdef
+///     device=Television
 class PlayerTiming
 {
 public:
@@ -46,14 +55,31 @@ public:
   /// Delay from there until its sound is heard.
   std::optional<double> sound_latency(const std::string &kind) const;
 
+  /// None: it has no address, or no token.
+  std::optional<ServerSettings> server(follow::ServerKind kind) const;
+
+  /// Whether other users can read the file, in which a token may be.
+  bool is_public() const;
+
   /// Delay from there until the vibration is felt.
   double offset(const std::string &kind) const;
+  /// Additional delay with one film, by its name.
+  double film_offset(const std::string &film) const
+  {
+    return offset(film_group(film));
+  }
 
   /// Limits the offset to kMost, and writes the file at once. Changes by the user in the meantime
-  /// are kept, and apply from then on. Throws std::runtime_error with the path.
+  /// are kept, and apply from then on. Only the user can read the file then. Throws
+  /// std::runtime_error with the path.
   void set_offset(const std::string &kind, double offset);
+  void set_film_offset(const std::string &film, double offset)
+  {
+    set_offset(film_group(film), offset);
+  }
 
 private:
+  static std::string film_group(const std::string &film);
   void read();
   std::optional<double> number(const std::string &kind, const char *key) const;
 

@@ -58,7 +58,9 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
         + (settings.commands.empty() ? "" : file("trace-location", settings.commands))
         + " split.src ! " + look + " ! " + (settings.overlay ? "tactileoverlay" : "identity")
         + " name=overlay" + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
-  if (settings.window)
+  if (!settings.picture.empty())
+    line += settings.picture;
+  else if (settings.window)
     line += "autovideosink";
   else if (settings.recording.empty())
     line += "fakesink sync=true";

@@ -3,6 +3,7 @@
 // Commands that R computes.
 #include "commands.h"
 
+#include "files/whole_file.h"
 #include "film/command_line.h"
 #include "film/or_throw.h"
 #include "film/output.h"
@@ -10,6 +11,7 @@
 #include "study/folder.h"
 #include "study/table.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -17,6 +19,8 @@ namespace {
 
 using study::Factor;
 using study::Folder;
+
+constexpr const char *kDictionary = "/dictionary.tsv";
 
 std::string
 script(const char *name)
@@ -39,6 +43,23 @@ run_r(std::vector<std::string> arguments, bool quiet)
   if (end.status != 0)
     throw std::runtime_error(end.complaint.empty() ? "R failed" : end.complaint);
   return 0;
+}
+
+/// Throws std::runtime_error if a file of the report would replace one that is of no earlier report
+/// of the study.
+void
+expect_own_folder(const std::string &folder, const std::string &dictionary)
+{
+  const std::string title
+      = dictionary.substr(0, dictionary.find('\n', dictionary.find('\n') + 1) + 1);
+  const auto earlier = files::read_whole(folder + kDictionary, study::kMostText);
+  if (earlier && earlier->starts_with(title))
+    return;
+  g_autoptr(GDir) entries = g_dir_open(folder.c_str(), 0, nullptr);
+  if (entries != nullptr && g_dir_read_name(entries) != nullptr)
+    throw std::runtime_error("'" + folder
+                             + "' has other files than a report of this study; expected an empty "
+                               "folder with --output, or --force");
 }
 
 /// The study's factors, levels and questions for R: name, kind, label.
@@ -78,11 +99,12 @@ int
 write_report(int argc, char **argv)
 {
   CommonOptions common;
-  TextOption output{ "report" };
+  TextOption output;
   gboolean with_marked = FALSE;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Folder for report.html, report.pdf, figure.png and answers.csv (default: report)", "DIR" },
+      "Folder for report.html, report.pdf, figure.png and answers.csv (default: FOLDER/report)",
+      "DIR" },
     { "with-marked", 0, 0, G_OPTION_ARG_NONE, &with_marked,
       "Also use sessions that are marked, such as late ones", nullptr },
     {},
@@ -95,20 +117,24 @@ write_report(int argc, char **argv)
                    "levels, a figure, and published.csv\nbeside. Marked sessions are left out, and "
                    "named.",
         .least = 1,
-        .most = 1 });
+        .most = 1,
+        .force_help = "Replace files that are of no earlier report of the study" });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   print_damaged("visuotactile-study report", *folder);
-  prepare_directory(output.text());
-  const std::string to = output.text() + "/";
-  for (const auto &[name, text] : { std::pair{ "answers.csv", study::answer_table(*folder) },
-                                    std::pair{ "orders.csv", study::order_table(*folder) },
-                                    std::pair{ "dictionary.tsv", dictionary(folder->study()) } })
+  const std::string to = output.text((folder->path() + "/report").c_str());
+  const std::string words = dictionary(folder->study());
+  prepare_directory(to);
+  if (!common.force)
+    expect_own_folder(to, words);
+  for (const auto &[name, text] :
+       { std::pair{ "/answers.csv", study::answer_table(*folder) },
+         std::pair{ "/orders.csv", study::order_table(*folder) }, std::pair{ kDictionary, words } })
     write_private(to + name, text);
-  run_r({ script("report.R"), output.text(), folder->path() + "/published.csv",
+  run_r({ script("report.R"), to, folder->path() + "/published.csv",
           with_marked ? "with-marked" : "without-marked" },
         common.quiet);
   if (!common.quiet)
-    std::printf("written: %sreport.html, %sreport.pdf\n", to.c_str(), to.c_str());
+    std::printf("written: %s/report.html, %s/report.pdf\n", to.c_str(), to.c_str());
   return 0;
 }
 
@@ -147,7 +173,9 @@ compute_power(int argc, char **argv)
         .least = 1,
         .most = 1,
         .force_help = Usage::kWritesNothing });
-  if (!(spread > 0))
+  if (!std::isfinite(effect))
+    throw UsageError("--effect is a number");
+  if (!(spread > 0 && std::isfinite(spread)))
     throw UsageError("--spread is a number above 0");
   if (!(correlation >= 0 && correlation <= 0.99))
     throw UsageError("--correlation is a number from 0 to 0.99");
@@ -161,16 +189,12 @@ compute_power(int argc, char **argv)
     words.push_back(study::write_number(number));
   words.push_back(std::to_string(studies));
   words.push_back(std::to_string(seed));
-  const auto &factors = folder->study().factors;
-  const std::string wanted = factor.text(factors.empty() ? "" : factors.front().name.c_str());
-  bool is_known = false;
-  for (const Factor &one : factors) {
-    is_known = is_known || one.name == wanted;
+  const std::string wanted = expect_factor(factor, folder->study());
+  if (wanted.empty())
+    throw std::runtime_error("the study has no factor; expected one in study.ini");
+  for (const Factor &one : folder->study().factors)
     words.push_back(one.name + ":" + std::to_string(one.levels.size()) + ":"
                     + (one.between ? "between" : "within") + ":"
                     + (one.name == wanted ? "effect" : "none"));
-  }
-  if (!is_known)
-    throw UsageError("expected --factor=NAME, a factor of the study, got '" + wanted + "'");
   return run_r(words, common.quiet);
 }

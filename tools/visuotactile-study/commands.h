@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "film/command_line.h"
 #include "study/folder.h"
+
+/// The name of a factor, by default the first one's. Throws UsageError if the study has none of it.
+std::string expect_factor(const TextOption &factor, const study::Study &study);
 
 /// Prints a warning for each participant whose journal cannot be read.
 void print_damaged(const char *program, const study::Folder &folder);

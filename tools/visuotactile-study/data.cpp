@@ -10,6 +10,8 @@
 #include "study/simulation.h"
 #include "study/table.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -43,6 +45,17 @@ write_private(const std::string &path, const std::string &text)
   umask(mask);
   if (const std::string warning = or_throw(written); !warning.empty())
     print_error(kProgram, warning);
+}
+
+std::string
+expect_factor(const TextOption &factor, const study::Study &study)
+{
+  const std::string wanted
+      = factor.text(study.factors.empty() ? "" : study.factors.front().name.c_str());
+  if ((factor.is_set() || !study.factors.empty())
+      && std::ranges::find(study.factors, wanted, &study::Factor::name) == study.factors.end())
+    throw UsageError("expected --factor=NAME, a factor of the study, got '" + wanted + "'");
+  return wanted;
 }
 
 void
@@ -81,14 +94,20 @@ print_status(int argc, char **argv)
   }
   print_damaged(kProgram, *folder);
   unsigned done = 0;
+  const Participant *first = nullptr;
   std::string other_studies;
   for (const auto &one : folder->participants()) {
     done += one->state() == Participant::State::done ? 1 : 0;
+    if (one->state() == Participant::State::forgotten) {
+      std::printf("%-6s %s\n", one->name().c_str(), name_of(one->state()));
+      continue; // it had a study and a place
+    }
     std::printf("%-6s %-9s group %zu row %2zu  %zu of %zu steps%s%s\n", one->name().c_str(),
                 name_of(one->state()), one->place().group + 1, one->place().row + 1,
                 one->steps_done(), one->steps().size() - 1,
                 marks_of(*one).empty() ? "" : "  marked:", marks_of(*one).c_str());
-    if (one->study_sum() != folder->participants().front()->study_sum())
+    first = first ? first : one.get();
+    if (one->study_sum() != first->study_sum())
       other_studies += " " + one->name();
   }
   for (const auto &[name, why] : folder->damaged())
@@ -163,6 +182,11 @@ simulate(int argc, char **argv)
                              + "' has data; expected a study without participants");
   if (people < 0 || people > 1000)
     throw UsageError("--people is a whole number from 1 to 1000");
+  if (!std::isfinite(effect))
+    throw UsageError("--effect is a number");
+  if (!std::isfinite(spread) || spread < 0)
+    throw UsageError("--spread is a number from 0");
+  expect_factor(factor, folder->study());
   study::Simulation simulation{ .seed = static_cast<std::uint64_t>(seed),
                                 .factor = factor.text(),
                                 .effect = effect,

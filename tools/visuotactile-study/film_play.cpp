@@ -10,6 +10,8 @@
 #include "film/frame_times.h"
 #include "film/known_driver.h"
 
+#include <gst/video/videooverlay.h>
+
 #include <initializer_list>
 #include <stdexcept>
 
@@ -52,10 +54,16 @@ chair_line(const study::Settings &settings)
 }
 
 PlaySettings
-play_settings(const FilmPlay::Order &order)
+play_settings(const FilmPlay::Order &order, const FilmWindow *window)
 {
   PlaySettings settings;
   settings.window = order.window;
+  settings.picture
+      = order.window ? "autovideosink name=picture" : "fakesink sync=true name=picture";
+  if (window)
+    settings.picture = "videoscale ! video/x-raw,width=" + std::to_string(window->width())
+                       + ",height=" + std::to_string(window->height())
+                       + ",pixel-aspect-ratio=1/1 ! " + settings.picture;
   settings.overlay = false;
   settings.quiet = true;
   settings.has_trace = true;
@@ -76,7 +84,11 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
           g_ascii_strtod(setting(order.settings, "intensity", "1").c_str(), nullptr)))
 {
   const Film film = discover_film(order.film);
-  pipeline_ = make_pipeline(launch_line(film, play_settings(order)));
+  if (order.window && order.screen)
+    window_ = std::make_unique<FilmWindow>(*order.screen, film.width, film.height, [this] {
+      stop("Escape was pressed, or the film's window was closed");
+    });
+  pipeline_ = make_pipeline(launch_line(film, play_settings(order, window_.get())));
   let_times_advance(
       Owned<GstPad>(gst_element_get_static_pad(element(pipeline_, "analysis").get(), "sink"))
           .get());
@@ -107,6 +119,18 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
     gst_element_set_state(noise_.get(), GST_STATE_PLAYING);
   }
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+  if (window_)
+    gst_bus_set_sync_handler(
+        bus.get(),
+        +[](GstBus *, GstMessage *message, gpointer window) { // in a streaming thread
+          if (!gst_is_video_overlay_prepare_window_handle_message(message))
+            return GST_BUS_PASS;
+          gst_video_overlay_set_window_handle(GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message)),
+                                              static_cast<FilmWindow *>(window)->handle());
+          gst_message_unref(message);
+          return GST_BUS_DROP;
+        },
+        window_.get(), nullptr);
   if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error(start_error(bus.get()));
   watch_ = gst_bus_add_watch(
@@ -209,35 +233,20 @@ FilmPlay::on_message(GstMessage *message)
 void
 FilmPlay::count_frames()
 {
-  GstIterator *sinks = gst_bin_iterate_sinks(GST_BIN(pipeline_.get()));
-  GValue item = G_VALUE_INIT;
-  while (gst_iterator_next(sinks, &item) == GST_ITERATOR_OK) {
-    auto *sink = GST_ELEMENT(g_value_get_object(&item));
-    const Owned<GstPad> pad(gst_element_get_static_pad(sink, "sink"));
-    GstCaps *caps = pad && sink != chair_.get() ? gst_pad_get_current_caps(pad.get()) : nullptr;
-    const bool is_picture
-        = caps
-          && g_str_has_prefix(gst_structure_get_name(gst_caps_get_structure(caps, 0)), "video");
-    if (caps)
-      gst_caps_unref(caps);
-    if (is_picture) {
-      GstElement *base = sink;
-      while (GST_IS_BIN(base) && GST_BIN_CHILDREN(base))
-        base = GST_ELEMENT(GST_BIN_CHILDREN(base)->data);
-      g_autoptr(GstStructure) stats = nullptr;
-      if (g_object_class_find_property(G_OBJECT_GET_CLASS(base), "stats"))
-        g_object_get(base, "stats", &stats, nullptr);
-      guint64 rendered = 0;
-      guint64 dropped = 0;
-      if (stats && gst_structure_get_uint64(stats, "rendered", &rendered)
-          && gst_structure_get_uint64(stats, "dropped", &dropped)) {
-        result_.frames = static_cast<std::int64_t>(rendered);
-        result_.frames_dropped = static_cast<std::int64_t>(dropped);
-      }
-    }
-    g_value_unset(&item);
+  const Owned<GstElement> picture = element(pipeline_, "picture");
+  GstElement *sink = picture.get();
+  while (GST_IS_BIN(sink) && GST_BIN_CHILDREN(sink))
+    sink = GST_ELEMENT(GST_BIN_CHILDREN(sink)->data);
+  g_autoptr(GstStructure) stats = nullptr;
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "stats"))
+    g_object_get(sink, "stats", &stats, nullptr);
+  guint64 rendered = 0;
+  guint64 dropped = 0;
+  if (stats && gst_structure_get_uint64(stats, "rendered", &rendered)
+      && gst_structure_get_uint64(stats, "dropped", &dropped)) {
+    result_.frames = static_cast<std::int64_t>(rendered);
+    result_.frames_dropped = static_cast<std::int64_t>(dropped);
   }
-  gst_iterator_free(sinks);
 }
 
 void
@@ -271,6 +280,7 @@ FilmPlay::end(Outcome outcome, const std::string &text)
     }
   gst_element_set_state(chair_.get(), GST_STATE_NULL); // before the film's sound, which may hang
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  window_.reset();
   if (motors_may_run(chair_.get()))
     result_.chair = "the motors may still be on";
   if (const auto timing = study::read_timing(trace_))
@@ -283,7 +293,12 @@ FilmPlay::end(Outcome outcome, const std::string &text)
 void
 expect_playable(const std::string &film, const study::Settings &settings)
 {
-  expect_driver(setting(settings, "driver", "auto"), kAudio);
+  try {
+    expect_driver(setting(settings, "driver", "auto"), kAudio);
+  } catch (const UsageError &error) {
+    throw std::runtime_error("the settings of a session: "
+                             + std::string(error.what()).substr(2)); // without the --
+  }
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "film_window.h"
+
 #include "film/pipeline.h"
 #include "study/participant.h"
 
@@ -29,6 +31,7 @@ public:
     study::Settings settings;
     std::string trace; ///< path
     bool window = false;
+    std::optional<Monitor> screen; ///< which the window covers; none: the window is the film's
   };
   /// Begins to play. Throws std::runtime_error if that fails. `ended` is called once, from the main
   /// loop, when motors are at zero and the trace is complete.
@@ -56,7 +59,8 @@ private:
   std::string told_; ///< the last message of the chair
   guint watch_ = 0;
   mutable std::mutex mutex_;
-  ChairLevels levels_; ///< a streaming thread writes them
+  ChairLevels levels_;                 ///< a streaming thread writes them
+  std::unique_ptr<FilmWindow> window_; ///< longer than what shows pictures in it
   Pipeline noise_;
   Pipeline pipeline_;
   Owned<GstElement> chair_;

@@ -6,6 +6,8 @@
 
 #include "files/whole_file.h"
 #include "film/command_line.h"
+#include "film/device_list.h"
+#include "film/known_driver.h"
 #include "film/or_throw.h"
 #include "web/browser.h"
 #include "web/server.h"
@@ -15,6 +17,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <utility>
 
 namespace {
@@ -44,18 +47,19 @@ expect_films(const study::Folder &folder, const study::Settings &overrides,
              const study::Settings &defaults)
 {
   const study::Study &study = folder.study();
-  std::vector<study::Settings> sessions;
+  std::vector<study::Condition> sessions = study.conditions();
   if (study.practice)
-    sessions.push_back(*study.practice);
-  for (const study::Condition &condition : study.conditions())
+    sessions.push_back({ .levels = {}, .settings = *study.practice });
+  std::set<study::Settings> all;
+  for (const study::Condition &session : sessions)
     for (const study::Condition &group : study.groups()) {
-      study::Settings settings = condition.settings;
+      study::Settings settings = session.settings;
       settings.insert(group.settings.begin(), group.settings.end());
-      sessions.push_back(std::move(settings));
+      settings.insert(study.settings.begin(), study.settings.end());
+      settings.erase("intensity"); // as it matters not
+      all.insert(std::move(settings));
     }
-  std::vector<std::string> known;
-  for (study::Settings &settings : sessions) {
-    settings.insert(study.settings.begin(), study.settings.end());
+  for (study::Settings settings : all) {
     for (const auto &[name, value] : overrides)
       settings[name] = value;
     add_defaults(settings, defaults);
@@ -63,9 +67,6 @@ expect_films(const study::Folder &folder, const study::Settings &overrides,
     if (film.empty())
       throw std::runtime_error("study.ini: expected film=FILE in [settings] or in a level of each "
                                "session");
-    if (std::ranges::find(known, film) != known.end())
-      continue;
-    known.push_back(film);
     const std::string path = folder.film(film);
     std::error_code error;
     if (!std::filesystem::exists(path, error))
@@ -75,6 +76,30 @@ expect_films(const study::Folder &folder, const study::Settings &overrides,
   }
 }
 
+/// The screen that films cover; none without an X server. Throws UsageError if none has the name.
+std::optional<Monitor>
+chosen_screen(const TextOption &name, bool is_quiet)
+{
+  const std::vector<Monitor> all = monitors();
+  std::vector<std::string> each;
+  for (const Monitor &one : all)
+    each.push_back(one.name);
+  const std::string names = study::joined(each, ", ");
+  const auto found
+      = name.is_set() ? std::ranges::find(all, name.text(), &Monitor::name) : all.begin();
+  if (found == all.end() && name.is_set())
+    throw UsageError("expected --screen=NAME of " + (names.empty() ? "an X server" : names)
+                     + ", got '" + name.text() + "'");
+  if (found == all.end()) {
+    print_error(kProgram, "there is no X server: films have a window of their own size");
+    return {};
+  }
+  if (!is_quiet)
+    std::fprintf(stderr, "Films cover the screen %s, %d x %d, of: %s.\n", found->name.c_str(),
+                 found->width, found->height, names.c_str());
+  return *found;
+}
+
 } // namespace
 
 int
@@ -82,12 +107,15 @@ run_study(int argc, char **argv)
 {
   CommonOptions common;
   TextOption driver;
+  TextOption screen_name;
   gint port = 0;
   gboolean no_browser = FALSE;
   gboolean no_window = FALSE;
   const GOptionEntry entries[] = {
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
       "Driver of tactorsink in all sessions, or audio (default: the study's, else auto)", "NAME" },
+    { "screen", 's', 0, G_OPTION_ARG_STRING, &screen_name.value,
+      "Monitor of the participant, which films cover (default: the primary one)", "NAME" },
     { "port", 0, 0, G_OPTION_ARG_INT, &port,
       "Port of 127.0.0.1, 0 to 65535; 0 (default): the study's usual one, or any", "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &no_browser,
@@ -102,7 +130,8 @@ run_study(int argc, char **argv)
         .summary = "Serves a study on 127.0.0.1. The first address is the participant's page, the "
                    "second the\nexperimenter's, who starts each participant there. Each answer is "
                    "on the disk before\nthe next page; what was cut off goes on at the same page. "
-                   "Ctrl-C ends it, with all\nmotors at zero.",
+                   "Films cover a whole screen;\nEscape or Q stops one. Ctrl-C ends the server, "
+                   "with all motors at zero.",
         .least = 1,
         .most = 1,
         .force_help = "No effect: answers are only added" });
@@ -118,19 +147,25 @@ run_study(int argc, char **argv)
   const auto folder = or_throw(study::Folder::open(arguments[0], study::Folder::Use::writes));
   print_damaged(kProgram, *folder);
   study::Settings overrides;
-  if (driver.is_set())
+  if (driver.is_set()) {
+    expect_driver(driver.text(), kAudio);
     overrides["driver"] = driver.text();
+  }
   const study::Settings defaults = user_defaults(kProgram);
   expect_films(*folder, overrides, defaults);
   const bool window = !no_window && can_show_films();
   if (!window && !no_window)
     print_error(kProgram, "there is no display: films are played, but not shown");
+  std::optional<Monitor> screen;
+  if (window)
+    screen = chosen_screen(screen_name, common.quiet);
 
   const auto [secret, experimenter_secret] = page_secrets(folder->data(".pages"));
   const std::string experimenter_path = experimenter_secret + "/";
   StudySite site(*folder, { .page = page,
                             .experimenter = experimenter_path,
                             .window = window,
+                            .screen = screen,
                             .defaults = defaults,
                             .overrides = overrides });
   const Server server({ .port = static_cast<guint16>(port),

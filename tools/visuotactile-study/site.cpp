@@ -233,7 +233,8 @@ StudySite::play_film(SoupServerMessage *message, std::string_view body)
     play_ = std::make_unique<FilmPlay>(FilmPlay::Order{ .film = folder_.film(settings["film"]),
                                                         .settings = settings,
                                                         .trace = folder_.data(*trace),
-                                                        .window = settings_.window },
+                                                        .window = settings_.window,
+                                                        .screen = settings_.screen },
                                        [this](const study::Play &result) { played(result); });
   } catch (const std::exception &error) {
     study::Play failed;

@@ -21,8 +21,9 @@ public:
     std::string page;         ///< folder
     std::string experimenter; ///< begins the paths of the experimenter's page, such as "KEY/"
     bool window = false;
-    study::Settings defaults;  ///< of the user, below the study's
-    study::Settings overrides; ///< for all sessions
+    std::optional<Monitor> screen; ///< for films in a window
+    study::Settings defaults;      ///< of the user, below the study's
+    study::Settings overrides;     ///< for all sessions
   };
   StudySite(study::Folder &folder, Settings settings);
   ~StudySite() override;

@@ -52,10 +52,14 @@ public:
   {
     return {};
   }
-  /// Whether players that report their position come first.
-  virtual bool yields() const
+  virtual Source source() const
   {
-    return false;
+    return Source::player;
+  }
+  /// Whether it is connected when it is made. Otherwise it reports by itself when it is.
+  virtual bool is_announced() const
+  {
+    return true;
   }
   /// The track of the film that it reported last, if it knows one.
   virtual std::shared_ptr<const tactile::Track> track() const

@@ -79,12 +79,14 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   GstTactilePlacement placement;
   GstTactileMeta *other = NULL;
 
+  if (self->levels == NULL) /* as after gst_buffer_add_meta() */
+    return FALSE;
   /* Levels are relative to the picture, so a scaled picture keeps them. A copy of a region copies a
    * range of bytes, not a part of the picture, so it keeps the whole grid. */
   if (GST_META_TRANSFORM_IS_COPY(type) || GST_VIDEO_META_TRANSFORM_IS_SCALE(type)) {
     other = gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
                                         (gsize)self->rows * self->columns);
-    if (other != NULL) /* the source has no map, as after gst_buffer_add_meta() */
+    if (other != NULL)
       ((TactileMeta *)other)->frequency = ((const TactileMeta *)meta)->frequency;
   } else if (gst_tactile_placement_init(&placement, type, data, direction)) {
     if (placement.turns_by)
@@ -125,7 +127,8 @@ gst_tactile_meta_serialize(const GstMeta *meta, GstByteArrayInterface *data, gui
 {
   const GstTactileMeta *self = (const GstTactileMeta *)meta;
   const gsize n_levels = (gsize)self->rows * self->columns;
-  guint8 *bytes = gst_byte_array_interface_append(data, HEADER + n_levels * 4);
+  guint8 *bytes
+      = n_levels > 0 ? gst_byte_array_interface_append(data, HEADER + n_levels * 4) : NULL;
 
   if (bytes == NULL)
     return FALSE;

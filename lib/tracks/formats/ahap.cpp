@@ -142,6 +142,8 @@ public:
     }
     if (error_)
       return std::move(error_).unless_set(Track());
+    if (curves.has_lost_frequency())
+      ignore("the sharpness of events that overlap others");
     return curves.join();
   }
 

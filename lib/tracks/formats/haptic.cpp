@@ -41,9 +41,10 @@ add_points(std::string &text, const StepCurve &curve, const std::string &name)
   }
 }
 
-/// A map without a frequency has that of the one before.
+/// A map without a frequency has that of the one before. Haptics Studio exports both envelopes with
+/// one end.
 StepCurve
-pitches(const Track &track)
+pitches(const Track &track, std::int64_t end)
 {
   StepCurve curve;
   const auto first = std::ranges::find_if(
@@ -53,6 +54,7 @@ pitches(const Track &track)
     if (entry->map.frequency > 0)
       curve.step(std::chrono::floor<std::chrono::milliseconds>(entry->time).count(),
                  static_cast<double>(pitch_of(entry->map.frequency)));
+  curve.hold(end);
   return curve;
 }
 
@@ -92,10 +94,11 @@ write_haptic(const Track &track)
                      "\"metadata\":{\"editor\":\"visuotactile\",\"author\":\"\",\"source\":\"\","
                      "\"project\":\"\",\"tags\":[],\"description\":\"\"},"
                      "\"signals\":{\"continuous\":{\"envelopes\":{\"amplitude\":[";
-  add_points(text, strongest_cell(track), "amplitude");
+  const StepCurve amplitude = strongest_cell(track);
+  add_points(text, amplitude, "amplitude");
   if (has_frequency(track)) {
     text += "\n],\"frequency\":[";
-    add_points(text, pitches(track), "frequency");
+    add_points(text, pitches(track, amplitude.points().back().position), "frequency");
   }
   return text + "\n]}}}}\n";
 }

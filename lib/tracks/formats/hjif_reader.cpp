@@ -20,10 +20,15 @@ constexpr int kTimescale = 1000; ///< ticks per second, if the document has none
 class Reader
 {
 public:
-  tl::expected<Track, FormatError> operator()(const JsonDocument &document)
+  tl::expected<Track, FormatError> operator()(const JsonDocument &document,
+                                              std::vector<std::string> &ignored)
   {
     const JsonMembers root = document.root(error_);
     Track track = read(root);
+    if (has_unread_frequency_)
+      ignored.emplace_back("frequencies below 0 Hz, above 1000 Hz or out of order");
+    if (curves_.has_lost_frequency())
+      ignored.emplace_back("a frequency for each cell, as a map has one");
     if (root.has("description"))
       track.set_rate(description_rate(root));
     return std::move(error_).unless_set(std::move(track));
@@ -107,7 +112,7 @@ private:
       if (type != "Curve" && type != "VectorialWave")
         band.fail("bands of type " + type + " cannot be a track; only Curve and VectorialWave");
       for (std::size_t e = 0; !error_ && e < band.size("effects"); e++)
-        read_effect(band.element("effects", e), index, gain);
+        read_effect(band.element("effects", e), index, gain, type == "VectorialWave");
     }
   }
 
@@ -126,7 +131,7 @@ private:
     return effect.has("effect_type") && effect.text("effect_type") != "Basis";
   }
 
-  void read_effect(const JsonMembers &effect, std::size_t channel, double gain)
+  void read_effect(const JsonMembers &effect, std::size_t channel, double gain, bool is_wave)
   {
     if (is_reference(effect))
       effect.fail("only effects of type Basis can be a track");
@@ -139,16 +144,14 @@ private:
       const double at = position + keyframe.number("relative_position", 0);
       if (!(at >= 0 && at <= curves_.latest()) || at != std::floor(at))
         keyframe.fail("expected a whole position within 100 hours");
+      if (!error_ && is_wave && keyframe.has("frequency_modulation"))
+        add_frequency(static_cast<std::int64_t>(at), keyframe.number("frequency_modulation"),
+                      frequencies);
       // A keyframe of a wave may set its frequency only.
-      if (!error_ && keyframe.has("frequency_modulation")) {
-        const double frequency = keyframe.number("frequency_modulation");
-        if (!(frequency >= 0 && frequency <= static_cast<double>(kHighestFrequency)))
-          keyframe.fail("expected a frequency from 0 to 1000 Hz");
-        else if (has_order(keyframe, frequencies, at))
-          frequencies.push_back({ static_cast<std::int64_t>(at), frequency });
-      }
-      if (error_ || !keyframe.has("amplitude_modulation") || !has_order(keyframe, points, at))
+      if (error_ || !keyframe.has("amplitude_modulation"))
         continue;
+      if (!points.empty() && static_cast<double>(points.back().position) > at)
+        keyframe.fail("the position is before that of the keyframe before");
       points.push_back({ static_cast<std::int64_t>(at),
                          std::min(std::abs(keyframe.number("amplitude_modulation") * gain), 1.0) });
     }
@@ -161,29 +164,31 @@ private:
         effect.fail(set.error().reason);
   }
 
-  static bool has_order(const JsonMembers &keyframe, const std::vector<LevelCurves::Point> &points,
-                        double at)
+  /// Bounds a frequency; one before the one before it is left out.
+  void add_frequency(std::int64_t at, double frequency, std::vector<LevelCurves::Point> &to)
   {
-    const bool follows = points.empty() || static_cast<double>(points.back().position) <= at;
-    if (!follows)
-      keyframe.fail("the position is before that of the keyframe before");
-    return follows;
+    const double bounded = std::clamp(frequency, 0.0, static_cast<double>(kHighestFrequency));
+    const bool has_order = to.empty() || to.back().position <= at;
+    has_unread_frequency_ |= bounded != frequency || !has_order;
+    if (has_order)
+      to.push_back({ at, bounded });
   }
 
   Grid grid_;
   bool has_places_ = false;
   std::vector<std::vector<std::size_t>> cells_; ///< per channel
   LevelCurves curves_{ kTimescale, 1 };
+  bool has_unread_frequency_ = false;
   FirstError error_;
 };
 
 } // namespace
 
 tl::expected<Track, FormatError>
-read_hjif(std::string_view text)
+read_hjif(std::string_view text, std::vector<std::string> &ignored)
 {
   return JsonDocument::parse(text).and_then(
-      [](const JsonDocument &document) { return Reader()(document); });
+      [&](const JsonDocument &document) { return Reader()(document, ignored); });
 }
 
 } // namespace tactile

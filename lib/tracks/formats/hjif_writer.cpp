@@ -6,6 +6,7 @@
 
 #include <json-glib/json-glib.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -149,7 +150,7 @@ private:
       levels.step(position(entry.time), static_cast<double>(entry.map.at(row, column)));
       if (entry.map.frequency > 0)
         frequencies.step(frequencies.points().empty() ? 0 : position(entry.time),
-                         static_cast<double>(entry.map.frequency));
+                         std::round(static_cast<double>(entry.map.frequency)));
     }
     levels.finish(position(track.end()));
     frequencies.hold(position(track.end()));
@@ -170,8 +171,8 @@ private:
     add("relative_position", position);
     if (amplitude)
       add("amplitude_modulation", *amplitude);
-    if (frequency)
-      add("frequency_modulation", *frequency);
+    if (frequency) // the reference software accepts integers only
+      add("frequency_modulation", static_cast<std::int64_t>(*frequency));
     end_object();
   }
 

@@ -109,6 +109,17 @@ LevelCurves::add(std::size_t channel, std::span<const Point> points)
   return {};
 }
 
+bool
+LevelCurves::has_other_frequency(Time begin, Time end, double frequency) const
+{
+  auto i = frequencies_.upper_bound(begin);
+  if (i != frequencies_.begin())
+    --i;
+  return std::any_of(i, frequencies_.lower_bound(end), [&](const auto &each) {
+    return each.second > 0 && std::abs(static_cast<double>(each.second) - frequency) >= 1;
+  });
+}
+
 tl::expected<void, FormatError>
 LevelCurves::set_frequency(const Point &from, const Point &to)
 {
@@ -116,20 +127,25 @@ LevelCurves::set_frequency(const Point &from, const Point &to)
   const Time end = time_of(to.position);
   if (begin >= end)
     return {};
-  const auto next = frequencies_.upper_bound(end);
-  const float after = next == frequencies_.begin() ? 0 : std::prev(next)->second;
-  frequencies_.erase(frequencies_.lower_bound(begin), next);
   const bool holds = from.level == to.level || to.position - from.position <= step_length_;
   const Time step = holds ? end - begin : kRampStep;
+  std::vector<std::pair<const Time, float>> steps;
   for (Time at = begin; at < end; at += step) {
     const Time middle = (at + std::min(at + step, end)) / 2;
     const double part = holds ? 1 : std::chrono::duration<double>(middle - begin) / (end - begin);
     const double frequency = std::lerp(from.level, to.level, part);
-    frequencies_[at] = frequency < 1 ? 0 : static_cast<float>(frequency);
+    steps.emplace_back(at, frequency < 1 ? 0 : static_cast<float>(frequency));
+    has_lost_frequency_
+        = has_lost_frequency_ || has_other_frequency(at, std::min(at + step, end), frequency);
     if (++tuned_ > Track::kMaxEntries)
       return wrong("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
   }
-  frequencies_.emplace(end, after);
+  const auto next = frequencies_.upper_bound(end);
+  const float after = next == frequencies_.begin() ? 0 : std::prev(next)->second;
+  const auto hint = frequencies_.erase(frequencies_.lower_bound(begin), next);
+  for (const auto &each : steps)
+    frequencies_.insert(hint, each);
+  frequencies_.emplace_hint(hint, end, after);
   return {};
 }
 

@@ -44,6 +44,12 @@ public:
   /// of all calls.
   tl::expected<void, FormatError> set_frequency(const Point &from, const Point &to);
 
+  /// Whether a later call changed a frequency by 1 Hz or more.
+  bool has_lost_frequency() const
+  {
+    return has_lost_frequency_;
+  }
+
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
   /// It ends where the last curve does.
   tl::expected<Track, FormatError> join(Track track,
@@ -63,6 +69,7 @@ private:
 
   Time time_of(std::int64_t position) const;
   void change(std::int64_t position, std::size_t channel, double level);
+  bool has_other_frequency(Time begin, Time end, double frequency) const;
 
   double ticks_per_second_;
   std::int64_t step_length_;
@@ -70,6 +77,7 @@ private:
   std::vector<Change> changes_;
   std::map<Time, float> frequencies_; ///< each from its time to the next
   std::size_t tuned_ = 0;             ///< steps, also those that later calls replaced
+  bool has_lost_frequency_ = false;
 };
 
 } // namespace tactile

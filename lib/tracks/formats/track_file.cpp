@@ -143,7 +143,7 @@ read_track(std::string_view text, TrackFormat format, std::vector<std::string> *
   case TrackFormat::csv:
     return read_csv(text);
   case TrackFormat::hjif:
-    return read_hjif(text);
+    return read_hjif(text, parts);
   case TrackFormat::sem:
     return read_sem(text);
   case TrackFormat::haptic:

@@ -49,6 +49,8 @@ seen_from(const Similarity &pose, cv::Size size = kSize)
 void
 add_noise(cv::Mat &image, double deviation, unsigned seed)
 {
+  if (deviation <= 0) // std::normal_distribution expects more
+    return;
   std::mt19937 generator(seed);
   std::normal_distribution<float> noise(0, static_cast<float>(deviation));
   for (int y = 0; y < image.rows; ++y)

@@ -101,12 +101,95 @@ GST_START_TEST(test_texts_of_frequencies)
   fail_unless(
       write_track(track, TrackFormat::haptic, "").find("{\"time\":0.200,\"frequency\":0.234}")
       != std::string::npos);
+  // Both envelopes end with the track.
+  for (const char *last : { "{\"time\":1.001,\"amplitude\":0}", "{\"time\":1.001,\"frequency\":" })
+    fail_unless(write_track(track, TrackFormat::haptic, "").find(last) != std::string::npos, "%s",
+                write_track(track, TrackFormat::haptic, "").c_str());
   fail_unless(write_track(track, TrackFormat::ahap, "")
                   .find("\"HapticSharpness\",\"ParameterValue\":0.234}")
               != std::string::npos);
   ASSERT_COMPLAINT(
       read_track("WEBVTT\n\n00:00.000 --> 00:01.000\n1 2\n2000 Hz\n", TrackFormat::webvtt), "line",
       "1 to 1000 Hz");
+}
+GST_END_TEST;
+
+namespace {
+
+/// HJIF with a channel of 1 s for each list of keyframes.
+std::string
+hjif(const std::vector<std::string> &channels, const char *type = "VectorialWave")
+{
+  std::string text = "{\"perceptions\":[{\"perception_modality\":\"Vibrotactile\",\"channels\":[";
+  for (const std::string &keyframes : channels)
+    text += (&keyframes == &channels.front() ? "" : ",")
+            + std::string("{\"bands\":[{\"band_type\":\"") + type
+            + "\",\"effects\":[{\"position\":0,\"keyframes\":[" + keyframes + "]}]}]}";
+  return text + "]}]}";
+}
+
+std::string
+wave(double from, double to)
+{
+  const auto key = [](int position, double frequency) {
+    return "{\"relative_position\":" + std::to_string(position)
+           + ",\"amplitude_modulation\":0.5,\"frequency_modulation\":" + std::to_string(frequency)
+           + "}";
+  };
+  return key(0, from) + "," + key(1000, to);
+}
+
+} // namespace
+
+/// Frequencies that a map cannot have are bounded or left out, and told.
+GST_START_TEST(test_hjif_of_others)
+{
+  const auto expect = [](const std::string &text, double frequency, std::size_t losses) {
+    std::vector<std::string> ignored;
+    const auto track = read_track(text, TrackFormat::hjif, &ignored);
+    fail_unless(track.has_value(), "%s", text.c_str());
+    fail_unless_equals_float(track->at(500ms).frequency, frequency);
+    fail_unless_equals_float(track->at(500ms).levels[0], 0.5);
+    fail_unless_equals_int(ignored.size(), losses);
+  };
+  expect(hjif({ wave(120, 120) }), 120, 0);
+  expect(hjif({ wave(4000, 4000) }), 1000, 1);
+  expect(hjif({ wave(-5, -5) }), 0, 1);
+  expect(hjif({ "{\"relative_position\":20,\"frequency_modulation\":80}," + wave(120, 120) }), 100,
+         1);
+  expect(hjif({ wave(4000, 4000) }, "Curve"), 0, 0);
+  expect(hjif({ wave(120, 120), wave(120.5, 120.5) }), 120.5, 0);
+  expect(hjif({ wave(120, 120), wave(80, 80) }), 80, 1);
+  expect(hjif({ wave(100, 300), wave(100, 300) }), 202, 0); // the middle of a step of 20 ms
+}
+GST_END_TEST;
+
+/// MPEG's reference software reads whole numbers only, and plays others as 0 Hz.
+GST_START_TEST(test_hjif_has_whole_frequencies)
+{
+  const Track track = tune(tuned_track(), 120.4F);
+  const std::string text = write_track(track, TrackFormat::hjif, "");
+  fail_unless(text.find("\"frequency_modulation\" : 120\n") != std::string::npos, "%s",
+              text.c_str());
+  fail_unless(read(text, TrackFormat::hjif) == tune(track, 120));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_overlapping_sharpness)
+{
+  const auto event = [](const char *time, const char *sharpness) {
+    return std::string(
+               "{\"Event\":{\"EventType\":\"HapticContinuous\",\"EventDuration\":1,\"Time\":")
+           + time + ",\"EventParameters\":[{\"ParameterID\":\"HapticSharpness\",\"ParameterValue\":"
+           + sharpness + "}]}}";
+  };
+  for (const auto &[time, losses] : { std::pair("1", 0U), { "0.5", 1U } }) {
+    std::vector<std::string> ignored;
+    fail_unless(read_track("{\"Pattern\":[" + event("0", "0.2") + "," + event(time, "0.9") + "]}",
+                           TrackFormat::ahap, &ignored)
+                    .has_value());
+    fail_unless_equals_int(ignored.size(), losses);
+  }
 }
 GST_END_TEST;
 
@@ -120,6 +203,9 @@ frequencies_suite(void)
   tcase_add_test(tests, test_frequencies_survive);
   tcase_add_test(tests, test_differences);
   tcase_add_test(tests, test_texts_of_frequencies);
+  tcase_add_test(tests, test_hjif_of_others);
+  tcase_add_test(tests, test_hjif_has_whole_frequencies);
+  tcase_add_test(tests, test_overlapping_sharpness);
   return suite;
 }
 

@@ -104,6 +104,13 @@ key(int position, double level)
          + ",\"amplitude_modulation\":" + std::to_string(level) + "}";
 }
 
+tl::expected<Track, FormatError>
+read_hjif(std::string_view text)
+{
+  std::vector<std::string> ignored;
+  return tactile::read_hjif(text, ignored);
+}
+
 } // namespace
 
 GST_START_TEST(test_reference_file)

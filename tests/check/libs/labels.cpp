@@ -55,6 +55,25 @@ GST_START_TEST(test_scores)
 }
 GST_END_TEST;
 
+/// One favorite cell is no place, also where most spans have it; all right is 1.
+GST_START_TEST(test_place)
+{
+  const auto place = [](const std::vector<int> &cells) {
+    LabelJudge judge(labels("0,1,felt,4 5,1,a\n1,2,felt,3 4,1,b\n2,3,felt,0,1,c\n3,4,quiet,,,d\n"));
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      judge.frame(i * 500ms, felt(cells[i]));
+    quality::Mean all;
+    for (const quality::Mean &span : judge.scores().place)
+      all.add(span);
+    return all.value();
+  };
+  fail_unless_near(place({ 4, 4, 4, 4, 4, 4, 4 }), 0, 1e-12);
+  fail_unless_near(place({ 5, 5, 3, 3, 0, 0 }), 1, 1e-12);
+  // Of cells 4, 4, 4, 5, 0, 0 the chances of the spans are 4/6, 3/6 and 2/6: (5 - 3) / (6 - 3).
+  fail_unless_near(place({ 4, 4, 4, 5, 0, 0 }), 2.0 / 3, 1e-12);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_nothing_felt)
 {
   LabelJudge judge(labels("0,1,quiet,,,black\n"));
@@ -108,6 +127,7 @@ labels_suite(void)
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_scores);
+  tcase_add_test(tc, test_place);
   tcase_add_test(tc, test_nothing_felt);
   tcase_add_test(tc, test_faults);
   return suite;

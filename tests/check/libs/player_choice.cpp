@@ -19,9 +19,14 @@ constexpr std::size_t kEar = 1;
 
 struct Room
 {
+  Room()
+  {
+    players.push_back({ .doing = Doing::playing });
+    players.push_back({ .doing = Doing::playing, .source = follow::Source::listener });
+  }
+
   PlayerChoice choice{};
-  std::vector<PlayerChoice::Candidate> players{ { .doing = Doing::playing },
-                                                { .doing = Doing::playing, .is_heard = true } };
+  std::vector<PlayerChoice::Candidate> players{};
   std::optional<std::size_t> followed{};
 
   std::size_t at(Time now)
@@ -86,13 +91,45 @@ GST_START_TEST(test_ranks)
   room.players[kEar].doing = Doing::playing;
   fail_unless(room.at(4s) == kEar, "its position is of no use");
   Room none;
-  none.players = { { .doing = Doing::stopped }, { .doing = Doing::stalled, .is_heard = true } };
+  none.players = { { .doing = Doing::stopped },
+                   { .doing = Doing::stalled, .source = follow::Source::listener } };
   fail_unless(none.at(1s) == 99);
   none.players[0].doing = Doing::paused;
   fail_unless(none.at(2s) == 0);
   none.players[0].doing = Doing::stopped;
   none.players.push_back({ .doing = Doing::paused });
   fail_unless(none.at(3s) == 2);
+}
+GST_END_TEST;
+
+/// The film of a television whose media server reports it to the second, and which is heard, too.
+GST_START_TEST(test_media_server)
+{
+  Room room;
+  room.players[0].source = follow::Source::media_server;
+  room.players[kEar].doing = Doing::stopped;
+  fail_unless(room.at(10s) == 0);
+  room.players[kEar]
+      = { .doing = Doing::playing, .source = follow::Source::listener, .found = 14s };
+  fail_unless(room.at(15s) == kEar, "it is more exact");
+  // The server knows of a pause before it is heard.
+  room.players[0].doing = Doing::paused;
+  for (Time now = 15s; now < 20s; now += 20ms)
+    fail_unless(room.at(now) == 0, "%.2f s", std::chrono::duration<double>(now).count());
+  room.players[kEar].doing = Doing::stalled;
+  room.players[0].doing = Doing::playing;
+  fail_unless(room.at(21s) == 0);
+  room.players[kEar]
+      = { .doing = Doing::playing, .source = follow::Source::listener, .found = 23s };
+  fail_unless(room.at(24s) == kEar);
+  // Another film is heard long after.
+  room.players[0].doing = Doing::stopped;
+  fail_unless(room.at(25s) != kEar);
+  room.players[kEar].found = 60s;
+  fail_unless(room.at(61s) == kEar);
+  // A player that reports exactly comes before both.
+  room.players.push_back({ .doing = Doing::playing });
+  fail_unless(room.at(62s) == 2);
 }
 GST_END_TEST;
 
@@ -104,6 +141,7 @@ player_choice_suite()
   tcase_add_test(tcase, test_stopped);
   tcase_add_test(tcase, test_heard_after);
   tcase_add_test(tcase, test_ranks);
+  tcase_add_test(tcase, test_media_server);
   suite_add_tcase(suite, tcase);
   return suite;
 }

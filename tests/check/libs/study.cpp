@@ -292,6 +292,28 @@ GST_START_TEST(test_forget_is_cut_off)
 }
 GST_END_TEST
 
+/// Without room for an answer, the step is still the same, in memory and on the disk.
+GST_START_TEST(test_an_answer_without_room)
+{
+  const StudyFolder files;
+  const auto folder = files.open();
+  Participant &one = **folder->start("0.1");
+  const std::string before = files.read("data/P01.journal");
+  const auto event = one.answer("consent", "7", 1);
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_FSIZE, &limit);
+  const rlimit none{ .rlim_cur = 0, .rlim_max = limit.rlim_max };
+  setrlimit(RLIMIT_FSIZE, &none);
+  fail_unless(!folder->add(one, *event).has_value());
+  setrlimit(RLIMIT_FSIZE, &limit);
+  fail_unless(one.step().name == "consent" && one.consent().empty());
+  fail_unless(files.read("data/P01.journal") == before);
+  fail_unless(folder->add(one, *event).has_value());
+  fail_unless(one.consent() == "7");
+}
+GST_END_TEST
+
 /// The last point of the scale is one of its steps.
 GST_START_TEST(test_simulated_answers_are_on_the_scale)
 {
@@ -398,6 +420,7 @@ study_suite(void)
   tcase_add_test(tests, test_damaged_journal);
   tcase_add_test(tests, test_unreadable_data);
   tcase_add_test(tests, test_forget_is_cut_off);
+  tcase_add_test(tests, test_an_answer_without_room);
   tcase_add_test(tests, test_simulated_answers_are_on_the_scale);
   tcase_add_test(tests, test_timing);
   tcase_add_test(tests, test_simulated_people);

@@ -175,6 +175,13 @@ GST_START_TEST(test_serialized)
   g_autoptr(GByteArray) again = g_byte_array_new();
   fail_unless(gst_meta_serialize_simple(GST_META_CAST(meta), again));
   fail_unless(again->len == bytes->len && memcmp(again->data, bytes->data, bytes->len) == 0);
+  // A frequency that a map cannot have: NaN, infinite, 1001 Hz, -1 Hz.
+  for (const guint32 bits : { 0x7fc00000U, 0x7f800000U, 0x447a4000U, 0xbf800000U }) {
+    GST_WRITE_UINT32_LE(again->data + bytes->len - 28, bits);
+    fail_unless(gst_meta_deserialize(other, again->data, again->len, &used) != nullptr);
+    fail_unless_equals_float(gst_buffer_get_tactile_frequency(other), 0);
+  }
+  memcpy(again->data, bytes->data, bytes->len);
   // Hostile bytes: the last 40 are rows, columns, direction, frequency and levels.
   for (guint at = bytes->len - 40; at < bytes->len - 28; at++) {
     again->data[at] = 0xff;
@@ -186,6 +193,25 @@ GST_START_TEST(test_serialized)
 }
 GST_END_TEST;
 #endif
+
+/// A meta that has no map yet is in no copy.
+GST_START_TEST(test_no_map)
+{
+  GstBuffer *frame = gst_buffer_new();
+  const auto *meta = reinterpret_cast<GstTactileMeta *>(
+      gst_buffer_add_meta(frame, GST_TACTILE_META_INFO, nullptr));
+  fail_unless(meta->levels == nullptr && meta->rows == 0 && meta->columns == 0);
+  GstBuffer *copy = gst_buffer_copy(frame);
+  fail_unless_equals_int(count_metas(copy), 0);
+  fail_unless_equals_float(gst_buffer_get_tactile_frequency(copy), 0);
+#if GST_CHECK_VERSION(1, 24, 0)
+  g_autoptr(GByteArray) bytes = g_byte_array_new();
+  fail_if(gst_meta_serialize_simple(&meta->meta, bytes));
+#endif
+  gst_buffer_unref(copy);
+  gst_buffer_unref(frame);
+}
+GST_END_TEST;
 
 GST_START_TEST(test_frequency)
 {
@@ -427,6 +453,7 @@ tactile_meta_suite(void)
   tcase_add_test(tests, test_serialized);
 #endif
   tcase_add_test(tests, test_frequency);
+  tcase_add_test(tests, test_no_map);
   tcase_add_test(tests, test_one_per_buffer);
   tcase_add_test(tests, test_copies);
   tcase_add_test(tests, test_transforms);

@@ -27,6 +27,7 @@ function field({ name, label, unit, value, min, max, step, choices }) {
  * @param {HTMLFormElement} form empty
  * @param {string} label of the choice
  * @param {{name: string, label: string, options: Option[], hint?: string}[]} kinds
+ * The event 'applied' follows a success.
  * @param {function(object, object)} apply gets the kind and the values by name; what it throws is
  *   said in the form
  */
@@ -53,6 +54,7 @@ export function choiceForm(form, label, kinds, apply) {
     }
     try {
       await apply(kind(), values);
+      form.dispatchEvent(new Event('applied', { bubbles: true }));
     } catch (thrown) {
       error.textContent = thrown.message;
     }

@@ -51,6 +51,21 @@ export class History extends EventTarget {
     return this.#undone.at(-1)?.label ?? null;
   }
 
+  /** Steps, the newest last: {label, splices}. */
+  get done() {
+    return this.#done.map(({ label, splices }) => ({ label, splices }));
+  }
+
+  get undone() {
+    return this.#undone.map(({ label, splices }) => ({ label, splices }));
+  }
+
+  /** Steps of an earlier page with the same track. */
+  restore({ done, undone }) {
+    this.#done = done;
+    this.#undone = undone;
+  }
+
   /** Another track: all steps are gone. */
   reset(track) {
     const to = Math.max(this.track.end, track.end);

@@ -11,6 +11,7 @@ export const KEYS = [
   { keys: ['R'], does: 'Record' },
   { keys: ['A'], does: 'Sound off, on' },
   { keys: ['G'], does: 'Map over the film' },
+  { keys: ['E'], does: 'Full screen, with the grid over the film' },
   { keys: ['V'], does: 'Review' },
   { keys: ['J', 'Escape in a field'], does: 'To the timeline' },
   { keys: ['T'], does: 'To the time, which can be typed' },
@@ -58,10 +59,20 @@ export function commandOf(event, single) {
     return target.matches('button, summary, a, input') ? null : { command: 'play' };
   const commands = {
     k: ['play'], ',': ['step', -1], '.': ['step', 1], '[': ['rate', -1], ']': ['rate', 1], r: ['record'], a: ['mute'],
-    g: ['map'], v: ['review'], j: ['timeline'], p: ['panel'], t: ['time'], '?': ['help'],
+    g: ['map'], e: ['full'], v: ['review'], j: ['timeline'], p: ['panel'], t: ['time'], '?': ['help'],
   };
   const [command, by] = commands[key] ?? [];
   return command ? { command, by } : null;
+}
+
+/** @param {HTMLInputElement} box that switches single keys on and off; the browser remembers it */
+export function rememberSingleKeys(box) {
+  try {
+    box.checked = localStorage.getItem('single-keys') !== 'off';
+  } catch {
+    // Without storage they are on.
+  }
+  box.addEventListener('change', () => localStorage.setItem('single-keys', box.checked ? 'on' : 'off'));
 }
 
 function table(caption, keys) {

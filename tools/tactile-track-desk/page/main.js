@@ -6,37 +6,27 @@ import { Film } from './film.js';
 import { choiceForm, element } from './forms.js';
 import { Grid } from './grid.js';
 import { History } from './history.js';
-import { commandOf, keyTables } from './keys.js';
+import { commandOf, keyTables, rememberSingleKeys } from './keys.js';
+import { Layout } from './layout.js';
 import { Limits } from './limits.js';
 import { drawMap } from './map_view.js';
+import { Minimap } from './minimap.js';
+import { fail, failed, say, tell } from './notices.js';
 import { OPERATIONS, request } from './operations.js';
 import { Panel, showWarnings } from './panel.js';
 import { Review } from './review.js';
 import { Strip } from './strip.js';
 import { paint } from './strokes.js';
 import { Sync } from './sync.js';
-import { formatTime, parseTime } from './time.js';
+import { Tabs } from './tabs.js';
+import { formatTime } from './time.js';
 import { Timeline } from './timeline.js';
+import { Toolbar } from './toolbar.js';
 import { Track } from './track.js';
+import { Transport } from './transport.js';
+import { UndoStore } from './undo_store.js';
 
 const $ = (id) => document.getElementById(id);
-const RATES = [...$('rate').options].map(({ value }) => Number(value));
-
-/** For screen readers, and for tests: the last thing that happened. */
-function say(text) { $('live').textContent = text; }
-
-/** An error that stays until it is dismissed; the same one is there once. Returns its item. */
-function fail(text) {
-  const alerts = $('alerts');
-  [...alerts.children].find((item) => item.firstChild.textContent === text)?.remove();
-  const close = element('button', { type: 'button' }, 'Dismiss');
-  const item = element('li', {}, element('span', {}, text), close);
-  close.addEventListener('click', () => item.remove());
-  alerts.append(item);
-  return item;
-}
-
-const failed = (thrown) => fail(thrown.message);
 
 /** Everything of one page, once the desk has told what is edited. */
 class Page {
@@ -55,23 +45,28 @@ class Page {
     this.history = new History(this.newTrack(data.cues));
     this.sync = new Sync(this.history, { page: desk.page, send: desk.send, revision: data.revision,
       saved: data.saved, name: session.track.path });
+    new UndoStore(this.history, session.track.path);
     this.limits = new Limits(this.history.track, session.limits);
     this.film = new Film($('video'), session.film);
+    this.transport = new Transport(this.film, () => this.timeline.focus());
     this.timeline = new Timeline($('timeline'), { history: this.history, film: session.film });
     this.strip = new Strip(this.timeline);
     this.grid = new Grid($('cells'), this.film, session.track);
     this.feel = new Feel(this.film, desk.page, columns, (ms) => this.history.track.at(ms));
     this.table = new CueTable($('cue-table'), { history: this.history });
+    this.tabs = new Tabs($('tabs'));
     this.panel = new Panel(this);
     this.review = new Review($('review'), this);
     document.title = `${session.track.name} – Desk`;
     $('title').textContent = `${session.film.name} – ${session.track.name}`;
-    $('duration').textContent = formatTime(session.film.duration);
     const { width, height } = session.film;
     if (width && height)
-      document.querySelector('.screen').style.setProperty('--ratio', width / height);
-    session.messages.forEach(fail);
+      document.querySelector('main').style.setProperty('--ratio', width / height);
+    session.messages.forEach(tell);
     this.#listen();
+    this.layout = new Layout(() => this.#showTime());
+    new Toolbar(this.timeline);
+    new Minimap($('minimap'), this.timeline);
     this.#showWriter();
     this.#changed({ from: 0, to: this.history.track.end });
     if (session.review)
@@ -102,7 +97,6 @@ class Page {
     this.#bind();
     $('cue-table').closest('details').addEventListener('toggle', () => this.#showTime());
     window.addEventListener('keydown', (event) => this.#key(event));
-    window.addEventListener('resize', () => this.#showTime());
     window.addEventListener('beforeunload', (event) => {
       if (sync.pending)
         event.preventDefault();
@@ -117,21 +111,13 @@ class Page {
     click('review-toggle', () => this.toggleReview());
     click('help-open', () => this.#help());
     click('take-over', () => this.write(true).catch(failed));
-    click('back', () => this.film.step(-1));
-    click('forward', () => this.film.step(1));
-    click('play', () => this.film.toggle());
-    click('mute', () => { this.film.muted = !this.film.muted; });
     click('loop', () => this.setLoop(this.film.loop ? null : this.timeline.selection, true));
     click('show-map', () => this.#toggleMap());
     click('record', () => this.#record());
-    $('rate').addEventListener('change', () => { this.film.rate = Number($('rate').value); });
-    $('time').addEventListener('change', () => {
-      try {
-        this.film.seek(parseTime($('time').value));
-      } catch (thrown) {
-        failed(thrown);
-      }
-      this.#showTime();
+    // A form that was applied by Enter in a field gives the keyboard back.
+    window.addEventListener('applied', () => {
+      if (document.activeElement?.matches('input'))
+        this.timeline.focus();
     });
     $('level').addEventListener('input', () => this.setLevel(Number($('level').value)));
     $('feel-pad').addEventListener('change', () => {
@@ -143,12 +129,7 @@ class Page {
       window.addEventListener(name, () => this.#showPad());
     this.#showPad();
     this.setLevel(this.timeline.level ?? 75);
-    try {
-      $('single-keys').checked = localStorage.getItem('single-keys') !== 'off';
-    } catch {
-      // Without storage they are on.
-    }
-    $('single-keys').addEventListener('change', () => localStorage.setItem('single-keys', $('single-keys').checked ? 'on' : 'off'));
+    rememberSingleKeys($('single-keys'));
   }
 
   /**
@@ -176,7 +157,7 @@ class Page {
     const { sent } = await this.sync.recover();
     if (sent) {
       await this.load(true);
-      fail(`This browser had edits that it had not sent: ${sent}. They are restored.`);
+      tell(`This browser had edits that it had not sent: ${sent}. They are restored.`);
     }
     if (this.sync.kept.length)
       this.#offerKept('Edits that the desk did not take are kept in this browser.');
@@ -289,15 +270,10 @@ class Page {
     timeline.playhead = position;
     if ($('cue-table').closest('details').open)
       table.playhead = position;
-    if (document.activeElement !== $('time'))
-      $('time').value = formatTime(position);
     const levels = this.#shown(position);
     grid.show(levels);
     drawMap($('overlay'), this.history.track.rows, this.history.track.columns, levels);
-    $('play').textContent = film.paused ? 'Play' : 'Pause';
-    $('mute').setAttribute('aria-pressed', film.muted);
-    $('loop').setAttribute('aria-pressed', Boolean(film.loop));
-    $('rate').value = film.rate;
+    this.transport.show();
   }
 
   /** The track's map, with what is just being painted. */
@@ -432,22 +408,23 @@ class Page {
     const commands = {
       play: () => this.film.toggle(),
       step: () => this.film.step(by),
-      rate: () => { this.film.rate = RATES[RATES.indexOf(this.film.rate) + by] ?? this.film.rate; },
+      rate: () => this.transport.changeRate(by),
       cell: () => {
         const cell = this.grid.cellOf(event);
         if (cell !== null)
           this.grid.key(event, cell);
       },
       record: () => this.#record(),
-      mute: () => { this.film.muted = !this.film.muted; },
+      mute: () => this.transport.toggleSound(),
       map: () => this.#toggleMap(),
       review: () => this.toggleReview(),
       timeline: () => this.timeline.focus(),
-      time: () => {
-        $('time').focus();
-        $('time').select();
+      time: () => this.transport.focus(),
+      full: () => this.layout.toggleFull(),
+      panel: () => {
+        this.tabs.show($('selection'));
+        $('selection').elements.start.focus();
       },
-      panel: () => $('selection').elements.start.focus(),
       undo: () => this.undo(),
       redo: () => this.redo(),
       save: () => this.save(),

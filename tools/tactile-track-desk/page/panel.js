@@ -116,6 +116,7 @@ export class Panel {
     }
     this.#desk.say('Applied');
     this.show();
+    this.#form.dispatchEvent(new Event('applied', { bubbles: true }));
   }
 
   #edit(name) {
@@ -142,7 +143,7 @@ export class Panel {
 export function showWarnings(warnings, go) {
   const most = 200;
   document.getElementById('warning-count').textContent = `(${warnings.length})`;
-  document.getElementById('warnings').classList.toggle('some', warnings.length > 0);
+  document.getElementById('warnings-tab').classList.toggle('some', warnings.length > 0);
   const items = warnings.slice(0, most).map((warning) => {
     const button = element('button', { type: 'button' }, `${formatTime(warning.start)}: ${warning.text}`);
     button.addEventListener('click', () => go(warning));

@@ -40,3 +40,15 @@ export function frameFrom(ms, frame, frames) {
   const off = 1e-6; // by rounding
   return Math.ceil((Math.floor(ms / frame + off) + frames) * frame - off);
 }
+
+/** The index of the first of some times, which are in order, that is not before `ms`. */
+export function firstAfter(times, ms) {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < ms) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -3,11 +3,13 @@
  * The timeline: a row a cell, with events as high as their level, the draft as a shadow behind them,
  * the film's pictures, sound and shot cuts, and where motor limits are broken.
  *
- * Events: `seek` {ms, scrubbing}, `select` {selection}, `loop` {loop}, `level` {level}, `view`.
+ * Events: `seek` {ms, scrubbing}, `select` {selection}, `loop` {loop}, `level` {level}, `tool`, `view`,
+ * `drawn`.
  *
  * @import {History} from './history.js'
  * @import {Track, Selection, Span} from './track.js'
  */
+import * as strokes from './strokes.js';
 import { TimelineGestures } from './timeline_gestures.js';
 import { TimelineKeys } from './timeline_keys.js';
 import { TimelinePainter } from './timeline_painter.js';
@@ -27,6 +29,8 @@ export class Timeline extends EventTarget {
   cell = 0;
   /** What a gesture would make: Span[]. */
   ghost = [];
+  /** Points of a curve that a gesture would make, or null. */
+  points = null;
   hasFocus = false;
 
   /**
@@ -61,6 +65,8 @@ export class Timeline extends EventTarget {
   #selection = null;
   #loop = null;
   #level = 75;
+  #tool = 'draw';
+  #snap = true;
   #drawn = null; // the frame that is asked for
   strip = null;
   thumbnail = () => null;
@@ -111,6 +117,7 @@ export class Timeline extends EventTarget {
       this.#drawn = null;
       this.painter.resize(this.view, devicePixelRatio);
       this.painter.paint(this);
+      this.#tell('drawn', {});
     });
   }
 
@@ -234,6 +241,27 @@ export class Timeline extends EventTarget {
     this.#tell('level', { level });
   }
 
+  /** For the pointer: 'select', 'draw', 'paint', 'curve' or 'cut'. */
+  get tool() {
+    return this.#tool;
+  }
+
+  set tool(tool) {
+    this.#tool = tool;
+    this.#tell('tool', {});
+    this.refresh();
+  }
+
+  /** Edges that are dragged snap to what is near. */
+  get snap() {
+    return this.#snap;
+  }
+
+  set snap(snap) {
+    this.#snap = snap;
+    this.#tell('tool', {});
+  }
+
   zoom(factor, ms = this.playhead) {
     this.view.zoom(factor, ms);
     this.moved();
@@ -242,6 +270,13 @@ export class Timeline extends EventTarget {
   show(from, to) {
     this.view.zoomTo(from, to);
     this.moved();
+  }
+
+  /** The selection, with a tenth of its length on both sides. */
+  showSelection() {
+    if (!this.#selection) return this.say('Nothing selected');
+    const { from, to } = this.#selection;
+    return this.show(Math.max(from - (to - from) / 10, 0), to + (to - from) / 10);
   }
 
   reveal(ms, cell = null) {
@@ -266,6 +301,20 @@ export class Timeline extends EventTarget {
     }
     this.history.do(splices, { label, gesture });
     return true;
+  }
+
+  /** Splits the events of cells at a time. */
+  splitAt(ms, cells = this.cells) {
+    const splices = strokes.split(this.history.track, { from: 0, to: this.length, cells }, ms);
+    if (this.edit(splices, 'Split')) this.say(`Split at ${formatTime(ms)}`);
+  }
+
+  /** Adds a row to the selection, or takes it away; without one, selects the row. */
+  toggleRow(cell) {
+    const { from, to } = this.#selection ?? { from: 0, to: this.length };
+    const cells = this.#selection ? this.cells : [];
+    const left = cells.includes(cell) ? cells.filter((one) => one !== cell) : [...cells, cell].sort((a, b) => a - b);
+    this.selection = left.length ? { from, to, cells: left } : null;
   }
 
   /** For screen readers. */

@@ -4,17 +4,21 @@
  * it ends; Escape ends it without.
  *
  * - above the rows: scrubs
- * - a label: selects the row
- * - on nothing: draws. On an event: moves it, its begin, its end or its level
- * - with Shift: selects
- * - wheel: zooms; with Shift, or sideways: pans; with Alt: scrolls the rows
+ * - labels: select rows; with Shift up to there, with Ctrl one more or one less
+ * - the tool `draw`: on nothing, draws; on an event, moves it, its begin, its end or its level
+ * - `select`: as `draw`, but on nothing selects, as each tool does with Shift
+ * - `paint`: the level follows the pointer. `cut`: a click splits the event
+ * - `curve`: a drag puts or moves a point of the event's curve, a click with Ctrl takes it away
+ * - wheel: scrolls the rows, or pans where all are in view; with Shift, or sideways: pans; with Ctrl:
+ *   zooms around the pointer
  * - two fingers: zoom and pan; one finger on nothing pans
  */
+import { pointsOf, spansOf, withPoint } from './curves.js';
 import * as strokes from './strokes.js';
-import { formatTime } from './time.js';
+import { firstAfter, formatTime } from './time.js';
 
-const CURSORS = { label: 'pointer', time: 'col-resize', empty: 'crosshair', begin: 'ew-resize',
-  end: 'ew-resize', level: 'ns-resize', event: 'grab' };
+const CURSORS = { paint: 'crosshair', curve: 'crosshair', cut: 'col-resize', select: 'default', label: 'pointer',
+  time: 'col-resize', empty: 'crosshair', begin: 'ew-resize', end: 'ew-resize', level: 'ns-resize', event: 'grab' };
 /** A pointer that moves less is a click, pixels. */
 const SLACK = 3;
 /** How near something must be for an edge to snap to it, pixels. */
@@ -56,13 +60,14 @@ export class TimelineGestures {
     const { timeline } = this;
     const unit = [1, 16, timeline.view.height][event.deltaMode];
     const [dx, dy] = [event.deltaX * unit, event.deltaY * unit];
-    if (event.altKey) timeline.view.scrollRows(dy);
-    else if (event.shiftKey && !event.ctrlKey) timeline.view.pan(dx || dy);
+    if (event.ctrlKey) {
+      // A pinch of a touch pad is a wheel with Ctrl, in steps of a few pixels; a notch has a hundred.
+      const by = Math.min(Math.max(-dy * 0.01, -0.25), 0.25);
+      timeline.view.zoom(Math.exp(by), timeline.view.ms(this.#place(event).x));
+    } else if (event.shiftKey || !timeline.view.hasHiddenRows) timeline.view.pan(dx || dy);
     else {
-      // A pinch of a touch pad is a wheel with Ctrl, in small steps.
-      if (dx !== 0 && !event.ctrlKey) timeline.view.pan(dx);
-      const strength = event.ctrlKey ? 0.01 : 0.002;
-      if (dy !== 0) timeline.view.zoom(Math.exp(-dy * strength), timeline.view.ms(this.#place(event).x));
+      timeline.view.pan(dx);
+      timeline.view.scrollRows(dy);
     }
     timeline.moved();
   }
@@ -84,7 +89,8 @@ export class TimelineGestures {
     const hit = timeline.view.hit(this.#track, x, y);
     if ('cell' in hit) timeline.cell = hit.cell;
     this.#drag = { kind: this.#kindOf(event, hit), hit, x, y, moved: false, at: { x, y },
-      source: this.#source(hit), level: timeline.level };
+      source: this.#source(hit), level: timeline.level, more: event.ctrlKey || event.metaKey,
+      extend: event.shiftKey };
     if (this.#drag.kind === 'time') timeline.seek(hit.ms, { scrubbing: true });
     timeline.refresh();
   }
@@ -93,8 +99,11 @@ export class TimelineGestures {
     if (button === 1) return 'pan';
     if (part === 'time' || part === 'label') return part;
     if (shiftKey) return 'select';
+    const { tool, readOnly } = this.timeline;
+    if (tool === 'curve' && part !== 'empty' && !readOnly) return tool;
+    if (tool === 'cut' || (tool === 'paint' && !readOnly)) return tool;
     if (part === 'empty' && pointerType === 'touch') return 'pan';
-    return this.timeline.readOnly ? 'select' : part;
+    return readOnly || (tool === 'select' && part === 'empty') ? 'select' : part;
   }
 
   /** What a drag of an event is about: the selection if the event is in it. */
@@ -116,7 +125,8 @@ export class TimelineGestures {
     const { x, y } = this.#place(event);
     const drag = this.#drag;
     if (!drag) {
-      timeline.canvas.style.cursor = CURSORS[timeline.view.hit(this.#track, x, y).part];
+      const hit = timeline.view.hit(this.#track, x, y);
+      timeline.canvas.style.cursor = CURSORS[this.#kindOf({ button: 0 }, hit)];
       return;
     }
     if (this.#pointers.has(event.pointerId)) this.#pointers.set(event.pointerId, { x, y });
@@ -139,10 +149,9 @@ export class TimelineGestures {
   /** Whole ms within the film, or the playhead, a shot cut or the loop's edge if they are near. */
   #snapped(ms) {
     const { timeline } = this;
-    const near = SNAP * timeline.view.scale;
+    const near = timeline.snap ? SNAP * timeline.view.scale : -1;
     const { cuts, playhead, loop } = timeline;
-    const cut = cuts.find((one) => Math.abs(one - ms) <= near);
-    for (const place of [playhead, cut, loop?.from, loop?.to]) {
+    for (const place of [playhead, nearest(cuts, ms), loop?.from, loop?.to]) {
       if (place !== undefined && Math.abs(place - ms) <= near) return Math.round(place);
     }
     return Math.round(Math.min(Math.max(ms, 0), timeline.length));
@@ -154,6 +163,32 @@ export class TimelineGestures {
       this.timeline.view.pan(drag.at.x - x);
       this.timeline.view.scrollRows(drag.at.y - y);
       this.timeline.moved();
+    },
+    label: (drag, { y }) => {
+      const { from, to } = this.timeline.selection ?? { from: 0, to: this.timeline.length };
+      this.timeline.selection = { from, to, cells: rows(drag.hit.cell, this.timeline.view.cellAt(y)) };
+    },
+    paint: (drag, { x, y }) => {
+      const { view, frame } = this.timeline;
+      const { cell } = drag.hit;
+      drag.frames ??= new Map();
+      paintFrames(drag.frames, [drag.at, { x, y }].map((at) =>
+        ({ frame: Math.floor(Math.max(view.ms(at.x), 0) / frame), level: view.levelAt(cell, at.y) })));
+      const spans = [...drag.frames].sort(([a], [b]) => a - b).map(([index, level]) =>
+        ({ cell, start: Math.round(index * frame), end: Math.round((index + 1) * frame), level }));
+      this.#show('Paint', { from: spans[0].start, to: spans.at(-1).end, cells: [cell] }, spans,
+        () => strokes.paint(this.#track, spans));
+    },
+    curve: (drag, { x, y }) => {
+      const { view, frame } = this.timeline;
+      const { cell, event } = drag.hit;
+      drag.points ??= this.#pointsWithout(drag);
+      const ms = Math.min(Math.max(this.#snapped(view.ms(x)), event.start), event.end);
+      const points = withPoint(drag.points, ms, Math.max(view.levelAt(cell, y), 1), SNAP * view.scale);
+      this.timeline.points = points;
+      const spans = spansOf(cell, points, frame);
+      this.#show('Curve', { from: event.start, to: event.end, cells: [cell] }, spans,
+        () => strokes.paint(this.#track, spans));
     },
     select: (drag, { x, y }) => { this.timeline.selection = this.#between(drag, x, y); },
     empty: (drag, { x }) => {
@@ -199,6 +234,13 @@ export class TimelineGestures {
     },
   };
 
+  /** The points of an event, without the one that a drag has begun at. */
+  #pointsWithout({ hit: { event, ms } }) {
+    const points = pointsOf(this.#track, event);
+    const near = SNAP * this.timeline.view.scale;
+    return points.filter((point, i) => i === 0 || i === points.length - 1 || Math.abs(point.ms - ms) > near);
+  }
+
   #stretch(source, to) {
     const factor = (to.to - to.from) / (source.to - source.from);
     const scaled = (ms) => to.from + (ms - source.from) * factor;
@@ -211,10 +253,8 @@ export class TimelineGestures {
   #between(drag, x, y) {
     const { view } = this.timeline;
     const [a, b] = [this.#snapped(drag.hit.ms), this.#snapped(view.ms(x))];
-    const [c, d] = [drag.hit.cell, view.cellAt(y)];
-    const [top, bottom] = [Math.min(c, d), Math.max(c, d)];
     return { from: Math.min(a, b), to: Math.max(a, b, Math.min(a, b) + 1),
-      cells: Array.from({ length: bottom - top + 1 }, (_, i) => top + i) };
+      cells: rows(drag.hit.cell, view.cellAt(y)) };
   }
 
   /** Shows what the drag would make; `stroke` makes it. */
@@ -231,19 +271,29 @@ export class TimelineGestures {
     const { timeline } = this;
     if (isCancelled || drag.kind === 'pinch' || drag.kind === 'pan') return;
     if (drag.kind === 'time') timeline.seek(timeline.view.ms(this.#place(event).x));
-    else if (!drag.moved) this.#click(drag.hit);
-    else if (drag.kind === 'select') timeline.saySelection();
+    else if (!drag.moved) this.#click(drag);
+    else if (drag.kind === 'select' || drag.kind === 'label') timeline.saySelection();
     else if (drag.stroke && timeline.edit(drag.stroke(), drag.label)) {
       timeline.selection = drag.selection;
       timeline.say(`${drag.label}: ${formatTime(drag.selection.from)} to ${formatTime(drag.selection.to)}`);
     }
   }
 
-  #click({ part, cell, event, ms }) {
+  #click({ kind, hit: { part, cell, event, ms }, more, extend }) {
     const { timeline } = this;
     if (part === 'label') {
-      const { from, to } = timeline.selection ?? { from: 0, to: timeline.length };
-      timeline.selection = { from, to, cells: [cell] };
+      if (more) timeline.toggleRow(cell);
+      else {
+        const { from, to, cells } = timeline.selection ?? { from: 0, to: timeline.length };
+        timeline.selection = { from, to, cells: rows(extend && cells ? cells[0] : cell, cell) };
+      }
+    } else if (kind === 'curve' && more) {
+      const spans = spansOf(cell, this.#pointsWithout({ hit: { event, ms } }), timeline.frame);
+      timeline.edit(strokes.paint(this.#track, spans), 'Curve');
+      return;
+    } else if (kind === 'cut' && event) {
+      timeline.splitAt(this.#snapped(ms), [cell]);
+      return;
     } else if (event) timeline.selection = { from: event.start, to: event.end, cells: [cell] };
     else {
       timeline.selection = null;
@@ -254,7 +304,30 @@ export class TimelineGestures {
 
   #end() {
     this.#drag = null;
+    this.timeline.points = null;
     this.timeline.ghost = [];
     this.timeline.refresh();
   }
+}
+
+/** The cells from one row to another. */
+function rows(a, b) {
+  const top = Math.min(a, b);
+  return Array.from({ length: Math.abs(a - b) + 1 }, (_, i) => top + i);
+}
+
+/** The levels of all frames from one to another, in a straight line. */
+function paintFrames(frames, [a, b]) {
+  const count = Math.abs(b.frame - a.frame);
+  for (let i = 0; i <= count; i++) {
+    frames.set(a.frame + Math.sign(b.frame - a.frame) * i,
+      count ? Math.round(a.level + (b.level - a.level) * i / count) : b.level);
+  }
+}
+
+/** Of times in order. */
+function nearest(times, ms) {
+  const after = firstAfter(times, ms);
+  const [before, next] = [times[after - 1], times[after]];
+  return before === undefined || next - ms < ms - before ? next : before;
 }

@@ -16,6 +16,7 @@ export const KEYS = [
   { keys: ['Shift + one of the first five'], does: 'Selects up to there' },
   { keys: ['I', 'O'], does: 'The selection begins, ends at the playhead' },
   { keys: ['Ctrl+A', 'Escape'], does: 'Selects all, nothing' },
+  { keys: ['Ctrl+Enter'], does: 'Adds the row to the selection, or takes it away' },
   { keys: ['Enter'],
     does: 'Draws the selection; without one, selects the event at the playhead or draws one' },
   { keys: ['Delete', 'Backspace'], does: 'Silences the selection or the event' },
@@ -30,7 +31,10 @@ export const KEYS = [
   { keys: ['Ctrl+D'], does: 'Repeats the selection after itself' },
   { keys: ['Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+Y'], does: 'Undoes, does again' },
   { keys: ['L'], does: 'Loops the selection, or ends that' },
-  { keys: ['Z', 'Shift+Z', 'W'], does: 'Zooms in, out, to the whole film' },
+  { keys: ['Z', 'Shift+Z'], does: 'Zooms in, out' },
+  { keys: ['W', 'Shift+W'], does: 'Zooms to the whole film, to the selection' },
+  { keys: ['Q', 'D', 'B', 'H', 'X'], does: 'The pointer selects, draws, paints, bends levels, cuts' },
+  { keys: ['Shift+S'], does: 'Edges snap to what is near, or not' },
 ];
 
 /** How long an event is that is drawn without a selection, ms. */
@@ -87,17 +91,22 @@ export class TimelineKeys {
     '=': () => this.#addLevel(5),
     '-': () => this.#addLevel(-5),
     _: () => this.#addLevel(-5),
-    s: () => this.#split(),
+    s: (shift) => (shift ? this.#snap() : this.timeline.splitAt(this.timeline.playhead)),
     m: () => this.#change('Merge', strokes.merge),
     f: (shift) => this.#change(shift ? 'Fade in' : 'Fade out', (track, selection) =>
       (shift ? strokes.fade(track, selection, 0, 100) : strokes.fade(track, selection, 100, 0))),
     i: () => this.#edge('from'),
     o: () => this.#edge('to'),
     l: () => this.#loop(),
-    c: (shift) => this.#cut(shift),
+    c: (shift) => this.#to(this.timeline.cuts, 'shot cut', shift),
     n: (shift) => this.#warning(shift),
     z: (shift) => this.timeline.zoom(shift ? 1 / 1.5 : 1.5),
-    w: () => this.timeline.show(0, this.timeline.length),
+    w: (shift) => (shift ? this.timeline.showSelection() : this.timeline.show(0, this.timeline.length)),
+    q: () => this.#tool('select'),
+    d: () => this.#tool('draw'),
+    b: () => this.#tool('paint'),
+    x: () => this.#tool('cut'),
+    h: () => this.#tool('curve'),
   };
 
   #moves = {
@@ -111,6 +120,10 @@ export class TimelineKeys {
     ArrowLeft: (shift) => this.#edgeOfEvent(false, shift),
     ArrowRight: (shift) => this.#edgeOfEvent(true, shift),
     a: () => this.#select({ from: 0, to: this.timeline.length }),
+    Enter: () => {
+      this.timeline.toggleRow(this.timeline.cell);
+      this.timeline.saySelection();
+    },
     c: () => this.#copy(),
     x: () => {
       if (this.#copy()) this.#erase('Cut');
@@ -159,10 +172,10 @@ export class TimelineKeys {
     this.#go(this.#track.nextEdge(cell, playhead, forward) ?? (forward ? length : 0), cell, shift);
   }
 
-  #cut(back) {
-    const { cuts, playhead, cell } = this.timeline;
-    const to = back ? cuts.findLast((ms) => ms < playhead) : cuts.find((ms) => ms > playhead);
-    if (to === undefined) this.timeline.say(back ? 'No shot cut before' : 'No shot cut after');
+  #to(times, name, back) {
+    const { playhead, cell } = this.timeline;
+    const to = back ? times.findLast((ms) => ms < playhead) : times.find((ms) => ms > playhead);
+    if (to === undefined) this.timeline.say(`No ${name} ${back ? 'before' : 'after'}`);
     else this.#go(to, cell, false);
   }
 
@@ -310,11 +323,14 @@ export class TimelineKeys {
       (selection) => ({ ...selection, ...longer(selection) }));
   }
 
-  #split() {
-    const { timeline } = this;
-    const { cells, playhead } = timeline;
-    const splices = strokes.split(this.#track, { from: 0, to: timeline.length, cells }, playhead);
-    if (timeline.edit(splices, 'Split')) timeline.say(`Split at ${formatTime(playhead)}`);
+  #tool(tool) {
+    this.timeline.tool = tool;
+    this.timeline.say(`Tool: ${tool}`);
+  }
+
+  #snap() {
+    this.timeline.snap = !this.timeline.snap;
+    this.timeline.say(this.timeline.snap ? 'Snap on' : 'Snap off');
   }
 
   #copy() {

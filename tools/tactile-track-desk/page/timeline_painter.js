@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 /** Draws the timeline on a canvas. Colors are CSS variables, for light, dark and forced colors. */
-import { formatTime } from './time.js';
+import { firstAfter, formatTime } from './time.js';
 import { cellName } from './track.js';
+import { pointsOf } from './curves.js';
 import { TimelineBars } from './timeline_bars.js';
 import { GUTTER, RULER, rulerStep } from './timeline_view.js';
+
+/** Of the small grid beside a row, pixels. */
+const PLACE = 18;
 
 /** Where the page's style sheet sets none. */
 const COLORS = { background: 'Canvas', row: 'Canvas', line: 'GrayText', text: 'CanvasText',
@@ -64,6 +68,7 @@ export class TimelinePainter {
     this.#warnings(view, timeline.warnings);
     this.#selection(view, timeline);
     this.#ghost(view, timeline.ghost);
+    if (timeline.tool === 'curve') this.#curves(view, timeline);
     context.restore();
     this.#ruler(timeline);
     context.restore();
@@ -83,10 +88,11 @@ export class TimelinePainter {
   #lines(view, times, color) {
     const { context } = this;
     context.fillStyle = color;
-    let last = -1;
+    let last = -9;
     for (let i = firstAfter(times, view.from); i < times.length && times[i] < view.to; i++) {
       const x = Math.round(view.x(times[i]));
-      if (x > last) context.fillRect(x, RULER, 1, view.height);
+      if (x < last + 3) continue; // cuts of a flashing film are no area
+      context.fillRect(x, RULER, 1, view.height);
       last = x;
     }
   }
@@ -170,6 +176,28 @@ export class TimelinePainter {
     context.setLineDash([]);
   }
 
+  /** The points of the events in view, if they are not too many. */
+  #curves(view, { history: { track }, ghost, points }) {
+    const [first, last] = view.visibleCells;
+    for (let cell = first; cell < last; cell++) {
+      const events = [...track.events(cell, Math.floor(view.from), Math.ceil(view.to))];
+      if (events.length > view.span / 30) continue;
+      for (const event of events) this.#curve(view, cell, pointsOf(track, event));
+    }
+    if (points) this.#curve(view, ghost[0].cell, points);
+  }
+
+  #curve(view, cell, points) {
+    const { context, colors } = this;
+    const places = points.map(({ ms, level }) => [view.x(ms), view.bar(cell, level)[0]]);
+    context.strokeStyle = context.fillStyle = colors.text;
+    context.lineWidth = 1;
+    context.beginPath();
+    for (const [x, y] of places) context.lineTo(x, y);
+    context.stroke();
+    for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
+  }
+
   #ruler({ view, history: { track }, loop }) {
     const { context, colors } = this;
     context.fillStyle = colors.background;
@@ -222,6 +250,7 @@ export class TimelinePainter {
       context.fillStyle = colors.text;
       context.font = cell === current ? `bold ${this.font}` : this.font;
       context.fillText(cellName(cell, track), 9, y + height / 2);
+      this.#cellPlace(cell, track, y + height / 2);
     }
     context.restore();
     context.textBaseline = 'alphabetic';
@@ -230,6 +259,24 @@ export class TimelinePainter {
       context.lineWidth = 2;
       context.strokeRect(1, Math.max(view.top(current), view.rowsTop) + 1, view.width - 2, view.rowHeight - 3);
     }
+  }
+
+  /** A small grid that shows where a row's cell is; of a large one, its outline. */
+  #cellPlace(cell, { rows, columns }, middle) {
+    const { context, colors } = this;
+    const side = Math.min(Math.floor(PLACE / Math.max(rows, columns)), 8);
+    const [wide, high] = side >= 3 ? [side * columns, side * rows] : [PLACE, PLACE];
+    const [stepX, stepY] = [wide / columns, high / rows];
+    const [left, top] = [Math.round(GUTTER - 8 - wide), Math.round(middle - high / 2)];
+    const gap = side >= 3 ? 1 : 0;
+    context.fillStyle = colors.line;
+    for (let i = 0; i < (gap ? rows * columns : 1); i++) {
+      if (gap) context.fillRect(left + i % columns * side, top + Math.floor(i / columns) * side, side - gap, side - gap);
+      else context.fillRect(left, top, wide, high);
+    }
+    context.fillStyle = colors.event;
+    context.fillRect(left + cell % columns * stepX, top + Math.floor(cell / columns) * stepY,
+      Math.max(stepX - gap, 2), Math.max(stepY - gap, 2));
   }
 
   #playhead({ view, playhead }) {
@@ -244,15 +291,4 @@ export class TimelinePainter {
     context.lineTo(x + 1, 9);
     context.fill();
   }
-}
-
-function firstAfter(times, ms) {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] < ms) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

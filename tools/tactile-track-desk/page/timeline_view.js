@@ -5,11 +5,11 @@
  */
 
 /** Width of the rows' labels. */
-export const GUTTER = 44;
+export const GUTTER = 76;
 export const RULER = 26;
 const STRIP = 48;
 const WAVE = 36;
-const LEAST_ROW = 22;
+const LEAST_ROW = 20;
 /** A pixel is at least so long: then a frame of a film of 25 a second is 800 pixels wide. */
 const FINEST = 0.05;
 /** How near a pointer has to be to an edge. */
@@ -47,6 +47,10 @@ export class TimelineView {
   /** Width of the rows. */
   get span() {
     return Math.max(this.width - GUTTER, 1);
+  }
+
+  get hasHiddenRows() {
+    return this.rowHeight * this.cells > this.height - this.rowsTop + 0.5;
   }
 
   get to() {
@@ -136,6 +140,12 @@ export class TimelineView {
   bar(cell, level) {
     const height = Math.max(Math.round(level / 100 * this.barRoom), 2);
     return [Math.round(this.top(cell) + this.rowHeight) - 6 - height, height];
+  }
+
+  /** The level whose bar ends at a height in a row. */
+  levelAt(cell, y) {
+    const [bottom] = this.bar(cell, 0);
+    return Math.min(Math.max(Math.round((bottom + 2 - y) / this.barRoom * 100), 0), 100);
   }
 
   /**

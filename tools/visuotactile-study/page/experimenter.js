@@ -27,10 +27,11 @@ function row(cells) {
 
 const levels = (condition) => Object.values(condition).join(', ') || 'practice';
 
-function timing(session) {
+function timing(session, step) {
   if (session.plays === 0)
     return ['', '', '', '', ''];
-  const times = session.plays > 1 ? `${session.outcome}, play ${session.plays}` : session.outcome;
+  const outcome = step.phase === 'playing' && step.session === session.session ? 'playing' : session.outcome;
+  const times = session.plays > 1 ? `${outcome}, play ${session.plays}` : outcome;
   return [times, session.commands, session.commands ? `${session.p99.toFixed(2)}, ${session.max.toFixed(2)}` : '', session.dropped,
     [...session.marks, session.text].filter(Boolean).join(', ')];
 }
@@ -42,14 +43,14 @@ function show(next) {
   document.body.dataset.ready = true;
   find('title').textContent = next.title;
   find('count').textContent = `${next.participants.filter((one) => one.state === 'done').length} of ${next.people} have finished`;
-  find('who').textContent = next.active ?? 'Nobody is in a session';
+  find('who').textContent = next.active ? [next.active, ...Object.values(next.group)].join(', ') : 'Nobody is in a session';
   find('step').textContent = step ? `${step.name}, step ${step.done + 1} of ${step.count + 1}${step.kind === 'film' ? `: ${step.phase}` : ''}` : '';
   find('start').disabled = Boolean(running);
   find('stop').disabled = step?.phase !== 'playing';
   find('go-on').disabled = !running || step.phase !== 'failed';
   find('again').disabled = !running || step.phase !== 'failed';
   find('drop').disabled = !running || step.phase === 'playing';
-  find('sessions').tBodies[0].replaceChildren(...(next.sessions ?? []).map((one) => row([one.session || 'practice', levels(one.condition), ...timing(one)])));
+  find('sessions').tBodies[0].replaceChildren(...(next.sessions ?? []).map((one) => row([one.session || 'practice', levels(one.condition), ...timing(one, step)])));
   find('participants').tBodies[0].replaceChildren(...next.participants.map((one) => {
     const resume = document.createElement('button');
     resume.textContent = 'Resume';

@@ -3,6 +3,7 @@
 # Usage: Rscript power.R EFFECT SPREAD CORRELATION POWER STUDIES SEED FACTOR:LEVELS:within|between:effect|none...
 
 options(error = quote(quit(status = 1))) # the last line is the error
+source(file.path(dirname(sub("^--file=", "", grep("^--file=", commandArgs(), value = TRUE)[1])), "within.R"))
 arguments <- commandArgs(trailingOnly = TRUE)
 effect <- as.numeric(arguments[1])
 spread <- as.numeric(arguments[2])
@@ -21,10 +22,10 @@ size <- levels[of_effect]
 
 # The effect grows evenly from the first level to the last.
 means <- seq(-0.5, 0.5, length.out = size) * effect
-# Helmert contrasts of the factor, normalized, times the mean of all other factors.
+# The contrasts of the factor, times the mean of all other factors.
 contrast <- matrix(1)
 for (i in which(!is_between)) {
-  own <- if (of_effect[i]) { c <- contr.helmert(levels[i]); sweep(c, 2, sqrt(colSums(c^2)), "/") } else matrix(1 / sqrt(levels[i]), nrow = levels[i])
+  own <- if (of_effect[i]) helmert(levels[i]) else matrix(1 / sqrt(levels[i]), nrow = levels[i])
   contrast <- kronecker(contrast, own)
 }
 level_of_cell <- rep(1, cells)
@@ -50,18 +51,17 @@ p_of_study <- function(people) {
     return(pf(between / rest, size - 1, people - groups, lower.tail = FALSE))
   }
   y <- noise + matrix(means[level_of_cell], people, cells, byrow = TRUE)
-  scores <- y %*% contrast
-  middle <- rowsum(scores, group) / as.vector(table(group))
-  covariance <- crossprod(scores - middle[group, , drop = FALSE])
-  rest <- sum(diag(covariance))
-  q <- ncol(scores)
-  # Type 3: groups count equally.
-  effect_ss <- groups^2 / sum(1 / table(group)) * sum(colMeans(middle)^2)
-  df2 <- q * (people - groups)
-  epsilon <- rest^2 / (q * sum(covariance^2))
-  pf(effect_ss / q / (rest / df2), epsilon * q, epsilon * df2, lower.tail = FALSE)
+  p_within(y %*% contrast, group)
 }
-power_of <- function(people) mean(replicate(studies, p_of_study(people)) < 0.05)
+known <- list() # by people: each is simulated and printed once
+power_of <- function(people) {
+  name <- as.character(people)
+  if (is.null(known[[name]])) {
+    known[[name]] <<- mean(replicate(studies, p_of_study(people)) < 0.05)
+    cat(sprintf("%4d people: power %.3f\n", people, known[[name]]))
+  }
+  known[[name]]
+}
 
 step <- max(groups, 1)
 people <- max(2 * groups, 4)
@@ -70,7 +70,6 @@ most <- 400
 cat(sprintf("An effect of %g points on %s (ratings with a standard deviation of %g, correlation %g), %d studies each:\n", effect, factors[of_effect, 1], spread, correlation, studies))
 repeat {
   power <- power_of(people)
-  cat(sprintf("%4d people: power %.3f\n", people, power))
   if (power >= wanted || people >= most)
     break
   people <- ceiling(max(people + 1, people * (if (power < wanted / 2) 1.5 else 1.1)) / step) * step
@@ -79,13 +78,8 @@ if (power < wanted) {
   cat(sprintf("more than %d people are needed\n", most))
 } else {
   # Back to the smallest that suffices.
-  while (people - step >= max(2 * groups, 3)) {
-    lower <- power_of(people - step)
-    cat(sprintf("%4d people: power %.3f\n", people - step, lower))
-    if (lower < wanted)
-      break
+  while (people - step >= max(2 * groups, 3) && power_of(people - step) >= wanted)
     people <- people - step
-  }
   row <- if (cells %% 2 == 0 || cells == 1) cells else 2 * cells
   whole <- ceiling(people / (row * groups)) * row * groups
   cat(sprintf("needed: %d people; with complete squares of orders: %d\n", people, whole))

@@ -148,11 +148,9 @@ unanalyzed <- unlist(lapply(results, function(one) if (!is.null(one$why)) sprint
 
 escape <- function(text) { for (pair in list(c("&", "&amp;"), c("<", "&lt;"), c(">", "&gt;"), c("\"", "&quot;"))) text <- gsub(pair[1], pair[2], text, fixed = TRUE); text }
 html_table <- function(data) {
-  if (is.null(data) || nrow(data) == 0) return("")
   cells <- apply(data, 1, function(row) paste0("<tr>", paste0("<td>", escape(row), "</td>", collapse = ""), "</tr>"))
   paste0("<table><tr>", paste0("<th>", escape(names(data)), "</th>", collapse = ""), "</tr>", paste(cells, collapse = "\n"), "</table>")
 }
-section <- function(name, body) if (length(body) && any(nzchar(body))) c(sprintf("<h2>%s</h2>", escape(name)), body)
 base64 <- function(bytes) {
   letters64 <- c(LETTERS, letters, 0:9, "+", "/")
   pad <- (3 - length(bytes) %% 3) %% 3
@@ -165,21 +163,20 @@ base64 <- function(bytes) {
 images <- vapply(path(figures), function(file) sprintf("<img alt=\"%s by condition\" src=\"data:image/png;base64,%s\">", escape(values), base64(readBin(file, "raw", file.size(file)))), "")
 comparison_table <- if (!is.null(comparisons)) data.frame(Question = comparisons$question, Factor = comparisons$factor, Levels = comparisons$contrast, Difference = number(comparisons$difference), SE = number(comparisons$se),
   t = sprintf("t(%s) = %s", sub("\\.00$", "", number(comparisons$df)), number(comparisons$t)), p = p_text(comparisons$p))
-questions_table <- data.frame(Question = questions, Words = vapply(questions, function(name) label_of("question", name), ""))
+tables <- list(
+  "Questions" = data.frame(Question = questions, Words = vapply(questions, function(name) label_of("question", name), "")),
+  "Published results beside" = beside,
+  "Analysis of variance" = if (!is.null(anovas)) anova_table(anovas),
+  "Not analyzed" = if (length(unanalyzed)) data.frame(Question = sub(": .*", "", unanalyzed), Why = sub("^[^:]*: ", "", unanalyzed)),
+  "Comparisons of levels" = comparison_table, "Means" = means_table, "Marked sessions" = marked, "Orders" = orders,
+  "Timing of commands by session, in ms" = timing, "Free answers" = texts)
+tables <- Filter(function(table) !is.null(table) && nrow(table) > 0, tables)
 writeLines(c(
   "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\">", sprintf("<title>%s</title>", escape(title)),
   "<style>body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}table{border-collapse:collapse;font-size:.9em}th,td{text-align:left;padding:.15rem .9rem .15rem 0;border-bottom:1px solid #ddd}img{max-width:100%}</style>",
   sprintf("<h1>%s</h1>", escape(title)), paste0("<p>", escape(facts), "</p>"),
-  section("Means and standard errors", images),
-  section("Questions", html_table(questions_table)),
-  section("Published results beside", html_table(beside)),
-  section("Analysis of variance", c(if (!is.null(anovas)) html_table(anova_table(anovas)), if (length(unanalyzed)) paste0("<p>Not analyzed: ", escape(unanalyzed), "</p>"))),
-  section("Comparisons of levels", html_table(comparison_table)),
-  section("Means", html_table(means_table)),
-  section("Marked sessions", html_table(marked)),
-  section("Orders", html_table(orders)),
-  section("Timing of commands by session, in ms", html_table(timing)),
-  section("Free answers", html_table(texts)),
+  "<h2>Means and standard errors</h2>", images,
+  unlist(lapply(names(tables), function(name) c(sprintf("<h2>%s</h2>", name), html_table(tables[[name]])))),
   "</html>"), path("report.html"))
 
 # The same on pages.
@@ -195,10 +192,13 @@ lines_page <- function(heading, lines) {
   }
 }
 text_table <- function(data) {
-  if (is.null(data) || nrow(data) == 0) return(character())
-  text <- rbind(names(data), as.matrix(data))
+  text <- gsub("[\r\n\t]+", " ", rbind(names(data), as.matrix(data)))
+  text[is.na(text)] <- ""
   widths <- apply(nchar(text), 2, max)
-  apply(text, 1, function(row) paste(sprintf("%-*s", widths, row), collapse = "  "))
+  # A line of a page has 120 characters: what is longer goes on in the next one, at a column if there is one.
+  parts <- split(seq_along(widths), (cumsum(pmin(widths, 50) + 2) - 1) %/% 110)
+  lines <- apply(text, 1, function(row) vapply(parts, function(part) trimws(paste(sprintf("%-*s", widths[part], row[part]), collapse = "  "), "right"), ""))
+  unlist(lapply(matrix(lines, nrow = length(parts)), function(line) substring(line, starts <- seq(1, max(1, nchar(line)), by = 120), starts + 119)))
 }
 lines_page(title, unlist(lapply(facts, function(fact) c(strwrap(fact, 100), ""))))
 for (page in pages) {
@@ -206,11 +206,7 @@ for (page in pages) {
   draw(page)
   mtext("Means and standard errors", outer = TRUE, font = 2)
 }
-if (!is.null(beside)) lines_page("Published results beside", text_table(beside))
-if (!is.null(anovas)) lines_page("Analysis of variance", text_table(anova_table(anovas)))
-if (!is.null(comparison_table)) lines_page("Comparisons of levels", text_table(comparison_table))
-lines_page("Means", text_table(means_table))
-if (nrow(marked) > 0) lines_page("Marked sessions", text_table(marked))
+for (name in names(tables)) lines_page(name, text_table(tables[[name]]))
 invisible(dev.off())
 
 cat(sprintf("%s people analyzed\n", people))
