@@ -39,7 +39,8 @@ def main():
         with Desk(copy) as desk:
             page = Page(driver, desk)
             listener = Listener(desk, "pictures", writes=False)
-            page.wait("thumbnails, sound and the draft", lambda: listener.last("progress") and (listener.last("progress")["strip"], listener.last("progress")["draft"]) == (1, 1))
+            page.wait("thumbnails and sound", lambda: listener.last("progress")["strip"] == 1)
+            has_draft = listener.last("progress")["draft"] == 1  # tactile-track author is slow on a busy machine
             listener.leave()
             page.load()
             page.may_write()
@@ -58,9 +59,10 @@ def main():
             page.click("[data-tool=curve]")
             picture("curve", SMALL)
             page.click("[data-tool=draw]")
-            page.keys("v")
-            picture("review", SMALL)
-            page.keys("v")
+            if has_draft:
+                page.keys("v")
+                picture("review", SMALL)
+                page.keys("v")
             page.click("#full")
             picture("full", SMALL, DARK)
 

@@ -123,6 +123,8 @@ clip_section(const Extent &extent, Summary &summary)
         "blow above gesture", "full", "longest, s" });
   for (const auto &[set, unseen] : { std::pair{ "unseen films", true }, { "real films", false } }) {
     const UnitsByMethod all = units_of(rows, unseen);
+    if (all.empty())
+      continue;
     summarize(
         all, set, "precision against labels", [](auto &u) { return u.right; }, summary);
     summarize(
