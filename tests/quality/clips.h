@@ -70,14 +70,14 @@ struct ClipSet
 };
 
 /// Analyzes the films with `profile=paper` and `profile=tuned`, as saliencytactile does, decoded by
-/// decodebin to I420; those with labels by each available peer, too: as it is, and silent but for as
-/// many of its strongest frames as `tuned` is felt ("same share"). "center, same frames" is felt
+/// decodebin to I420; those with labels by each available peer, too: as it is, and silent but for
+/// as many of its strongest frames as `tuned` is felt ("same share"). "center, same frames" is felt
 /// where `tuned` is, in the middle cell alone. Rows are sorted by the clip's name; paper, tuned,
 /// peers, then methods.
 ///
 /// `threads` ≥ 1 share the work, and the result does not depend on their number. Requires
-/// gst_init(). Throws std::runtime_error if there is no film, if one cannot be played to its end, or
-/// if a track cannot be read.
+/// gst_init(). Throws std::runtime_error if there is no film, if one cannot be played to its end,
+/// or if a track cannot be read.
 std::vector<ClipRow> score_clips(const ClipSet &set, Contenders contenders, int threads);
 
 } // namespace quality

@@ -357,7 +357,7 @@ gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
  * Sets the frequency of the vibrations of a map, for actuators that have a
  * choice, such as shakers at a sound card.
  *
- * Since: 0.1
+ * Since: 0.2
  */
 void
 gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
@@ -394,7 +394,7 @@ gst_buffer_set_tactile_frequency(GstBuffer *buffer, gfloat frequency)
  *
  * Returns: the frequency in Hz; 0: none
  *
- * Since: 0.1
+ * Since: 0.2
  */
 gfloat
 gst_buffer_get_tactile_frequency(GstBuffer *buffer)
@@ -426,7 +426,7 @@ gst_buffer_get_tactile_frequency(GstBuffer *buffer)
  * something downstream has yet to turn. Where that is done, the levels stay as
  * they are; without this, they would be turned with the frame.
  *
- * Since: 0.1
+ * Since: 0.2
  */
 void
 gst_tactile_meta_set_video_direction(GstTactileMeta *meta, GstVideoOrientationMethod direction)

@@ -9,7 +9,7 @@ namespace tactile {
 
 /// Settings and version of a draft. They are in its file, after the grid:
 ///
-///     NOTE tactile grid=3x3 rate=5 profile=tuned sound=off version=0.1.0 sum=af63dc4c8601ec8c
+///     NOTE tactile grid=3x3 rate=5 profile=tuned sound=off version=0.2.0 sum=af63dc4c8601ec8c
 ///
 /// The sum is of all the file's other bytes, so that a change by anybody is seen.
 struct DraftNote

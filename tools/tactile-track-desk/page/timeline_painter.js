@@ -7,7 +7,7 @@ import { TimelineBars } from './timeline_bars.js';
 import { GUTTER, RULER, rulerStep } from './timeline_view.js';
 
 /** Of the small grid beside a row, pixels. */
-const PLACE = 18;
+const PLACE = 15;
 
 /** Where the page's style sheet sets none. */
 const COLORS = { background: 'Canvas', row: 'Canvas', line: 'GrayText', text: 'CanvasText',

@@ -9,7 +9,7 @@ export const GUTTER = 76;
 export const RULER = 26;
 const STRIP = 48;
 const WAVE = 36;
-const LEAST_ROW = 20;
+const LEAST_ROW = 18;
 /** A pixel is at least so long: then a frame of a film of 25 a second is 800 pixels wide. */
 const FINEST = 0.05;
 /** How near a pointer has to be to an edge. */
