@@ -35,13 +35,17 @@ duration_of(const std::string &film)
   return std::nullopt;
 }
 
-/// Whether a name is one of a film, and not of its poster, subtitles or entry.
+/// Whether a name may be one of a film, and not of its poster, subtitles or entry.
 bool
-is_film(const std::string &name)
+may_be_film(const std::string &name)
 {
+  if (name.ends_with(listen::kEntryEnding) || name.ends_with(".json"))
+    return false;
   g_autofree gchar *type = g_content_type_guess(name.c_str(), nullptr, 0, nullptr);
   g_autofree gchar *mime = g_content_type_get_mime_type(type);
-  return mime != nullptr && (g_str_has_prefix(mime, "video/") || g_str_has_prefix(mime, "audio/"));
+  const std::string_view found = mime != nullptr ? mime : "";
+  return !found.starts_with("text/") && !found.starts_with("image/")
+         && found != "application/x-subrip";
 }
 
 /// Films of a folder, by their names without extension.
@@ -54,7 +58,7 @@ films_in(const fs::path &folder)
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     std::error_code none;
-    if (library::track_stem(name).empty() && is_film(name) && entry->is_regular_file(none))
+    if (library::track_stem(name).empty() && may_be_film(name) && entry->is_regular_file(none))
       films.emplace(entry->path().stem().string(), entry->path());
   }
   if (error)

@@ -202,7 +202,9 @@ FilmListener::add(GstSample *sample, listen::Listener &listener)
   if (!known_track_ || heard->film != film_number_) {
     const auto text = film.track();
     if (!text) {
-      post({ .said = "the entry of '" + film.film() + "' has changed; its film is not followed" });
+      if (std::exchange(changed_, heard->film) != heard->film)
+        post(
+            { .said = "the entry of '" + film.film() + "' has changed; its film is not followed" });
       return;
     }
     auto track = tactile::track_format(film.track_name()).and_then([&](auto format) {

@@ -120,6 +120,7 @@ private:
   bool listens_ = false; ///< sound has come
   bool knew_ = false;
   std::size_t film_number_ = 0;
+  std::optional<std::size_t> changed_{}; ///< a film whose entry has changed, reported last
   std::shared_ptr<const tactile::Track> known_track_;
   std::thread thread_;
 };

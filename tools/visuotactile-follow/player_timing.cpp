@@ -61,8 +61,10 @@ void
 PlayerTiming::read()
 {
   const tl::expected<std::string, files::Error> text = files::read(path_, kMostBytes);
-  if (!text && text.error().number == ENOENT)
+  if (!text && text.error().number == ENOENT) {
+    file_.reset(g_key_file_new());
     return;
+  }
   if (!text)
     throw std::runtime_error("cannot read '" + path_ + "': " + text.error().reason);
   g_autoptr(GError) error = nullptr;

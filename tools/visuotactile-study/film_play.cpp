@@ -125,6 +125,8 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
         +[](GstBus *, GstMessage *message, gpointer window) { // in a streaming thread
           if (!gst_is_video_overlay_prepare_window_handle_message(message))
             return GST_BUS_PASS;
+          // Keys are the window's, which they end.
+          gst_video_overlay_handle_events(GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message)), FALSE);
           gst_video_overlay_set_window_handle(GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message)),
                                               static_cast<FilmWindow *>(window)->handle());
           gst_message_unref(message);

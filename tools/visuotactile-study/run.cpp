@@ -153,6 +153,14 @@ run_study(int argc, char **argv)
   }
   const study::Settings defaults = user_defaults(kProgram);
   expect_films(*folder, overrides, defaults);
+  // The window of films is one of X11, also under XWayland.
+  if (!no_window && g_getenv("DISPLAY") != nullptr) {
+    g_setenv("GST_GL_WINDOW", "x11", FALSE);
+    g_autoptr(GstPluginFeature) wayland
+        = gst_registry_lookup_feature(gst_registry_get(), "waylandsink");
+    if (wayland != nullptr)
+      gst_plugin_feature_set_rank(wayland, GST_RANK_NONE);
+  }
   const bool window = !no_window && can_show_films();
   if (!window && !no_window)
     print_error(kProgram, "there is no display: films are played, but not shown");

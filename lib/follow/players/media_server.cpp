@@ -23,6 +23,15 @@ position_of(JsonObject *of, const char *name, Time unit)
   return count ? std::optional(unit * *count) : std::nullopt;
 }
 
+/// The name of a film, of a path on any system.
+std::string
+film_of(const std::string &path, const std::string &title)
+{
+  if (path.empty())
+    return title;
+  return path.starts_with('/') ? path : path.substr(path.rfind('\\') + 1);
+}
+
 /// An item of BaseItemDto with its PlayState, of Jellyfin and Emby.
 std::optional<Session>
 jellyfin_session(JsonObject *session)
@@ -33,12 +42,14 @@ jellyfin_session(JsonObject *session)
   if (item == nullptr || state == nullptr || json::text(item, "MediaType") != "Video")
     return std::nullopt;
   const std::string path = json::name_of_file(item, "Path");
-  return Session{ .device = json::text(session, "DeviceName"),
-                  .film = !path.empty() ? path : json::name_of_file(item, "Name"),
+  return Session{ .id = json::text(session, "Id"),
+                  .device = json::text(session, "DeviceName"),
+                  .film = film_of(path, json::name_of_file(item, "Name")),
                   .position = position_of(state, "PositionTicks", kTick),
                   .doing
                   = json::truth(state, "IsPaused").value_or(false) ? Doing::paused : Doing::playing,
-                  .rate = json::number(state, "PlaybackRate").value_or(1) };
+                  .rate = json::number(state, "PlaybackRate").value_or(1),
+                  .report = json::text(session, "LastPlaybackCheckIn") };
 }
 
 /// The file of a film of Plex: Media and Part are lists, of which the one that plays is "selected".
@@ -67,13 +78,15 @@ plex_session(JsonObject *item)
   if (player == nullptr || type == "track" || type == "photo")
     return std::nullopt;
   const std::string state = json::text(player, "state");
-  const std::string file = plex_file(item);
-  return Session{ .device = json::text(player, "title"),
-                  .film = !file.empty() ? file : json::name_of_file(item, "title"),
-                  .position = position_of(item, "viewOffset", std::chrono::milliseconds(1)),
+  const auto position = position_of(item, "viewOffset", std::chrono::milliseconds(1));
+  return Session{ .id = json::text(player, "machineIdentifier"),
+                  .device = json::text(player, "title"),
+                  .film = film_of(plex_file(item), json::name_of_file(item, "title")),
+                  .position = position,
                   .doing = state == "paused"      ? Doing::paused
                            : state == "buffering" ? Doing::stalled
-                                                  : Doing::playing };
+                                                  : Doing::playing,
+                  .report = position ? std::to_string(position->count()) : "" };
 }
 
 /// The list of sessions; null: the answer has another form.
@@ -142,7 +155,7 @@ MediaServer::habits(ServerKind kind)
   constexpr Time kSkew = 500us;
   if (kind == ServerKind::plex)
     return {
-      .latest = kAskEvery + kAnswer, .skew = kSkew, .least_patience = 25s, .most_patience = 35s
+      .latest = kAskEvery + kAnswer, .skew = kSkew, .least_patience = 2s, .most_patience = 5s
     };
   return {
     .coarseness = 1050ms, .lingers = true, .skew = kSkew, .least_patience = 2s, .most_patience = 5s
@@ -162,13 +175,15 @@ MediaServer::choose(std::vector<Session> &sessions)
   const bool all_are_paused = std::ranges::all_of(sessions, is_paused);
   if (!all_are_paused)
     std::erase_if(sessions, is_paused);
-  auto chosen = std::ranges::find(sessions, followed_, &Session::device);
+  for (Session &one : sessions)
+    one.id = one.id.empty() ? one.device + '/' + one.film : one.id;
+  auto chosen = std::ranges::find(sessions, followed_, &Session::id);
   if (chosen == sessions.end() && sessions.size() == 1)
     chosen = sessions.begin();
   fault_.clear();
   followed_.clear();
   if (chosen != sessions.end()) {
-    followed_ = chosen->device;
+    followed_ = chosen->id;
     return &*chosen;
   }
   if (!sessions.empty() && !all_are_paused)
@@ -179,12 +194,32 @@ MediaServer::choose(std::vector<Session> &sessions)
 
 /// Whether the position of a report is one of this moment, not of a report of the player long ago.
 bool
-MediaServer::is_fresh(const Report &report, Time now) const
+MediaServer::is_fresh(const Report &report, Time now)
 {
-  return kind_ != ServerKind::plex || report.doing != Doing::playing
-         || (last_ && now - last_->received <= habits(kind_).latest
-             && (last_->film != report.film || last_->doing != report.doing
-                 || last_->position != report.position));
+  constexpr int kMostLate = 3;
+  if (kind_ != ServerKind::plex || report.doing != Doing::playing)
+    return true;
+  if (!last_
+      || (last_->film == report.film && last_->doing == report.doing
+          && last_->position == report.position)) {
+    if (late_ >= kMostLate)
+      fault_ = "the server answers too slowly; expected an answer within 0.2 s";
+    return false;
+  }
+  const bool is_fresh = now - last_->received <= habits(kind_).latest;
+  late_ = is_fresh ? 0 : late_ + 1;
+  return is_fresh;
+}
+
+/// Whether the player has not reported for so long that it is gone, though the server counts on.
+bool
+MediaServer::is_silent(const Session &session, Time now)
+{
+  if (session.report.empty() || session.doing != Doing::playing || session.report != reported_) {
+    reported_ = session.report;
+    reported_at_ = now;
+  }
+  return now - reported_at_ > kGone;
 }
 
 tl::expected<Report, std::string>
@@ -209,7 +244,7 @@ MediaServer::received(std::string_view answer, Time asked, Time now)
     report = { .received = now,
                .asked = kind_ == ServerKind::plex ? std::nullopt : std::optional(asked),
                .position = session->position,
-               .doing = session->doing,
+               .doing = is_silent(*session, now) ? Doing::stalled : session->doing,
                .rate = session->rate,
                .film = session->film };
   const bool has_position = is_fresh(report, now);

@@ -42,6 +42,9 @@ public:
   /// step with the seconds of the server.
   static constexpr Time kAskEvery = std::chrono::milliseconds(170);
 
+  /// After so long without a report of the player, it is gone: players report each 10 s.
+  static constexpr Time kGone = std::chrono::seconds(30);
+
   /// `device`: only the session on the device of that name; empty: any.
   MediaServer(ServerKind kind, std::string device);
 
@@ -65,22 +68,29 @@ public:
   /// One of the sessions that have a film.
   struct Session
   {
+    std::string id;
     std::string device;
     std::string film; ///< its path on the server; else its title
     std::optional<Time> position{};
     Doing doing = Doing::playing;
     double rate = 1;
+    /// Changes with each report of the player; empty: unknown.
+    std::string report;
   };
 
 private:
   const Session *choose(std::vector<Session> &sessions);
-  bool is_fresh(const Report &report, Time now) const;
+  bool is_fresh(const Report &report, Time now);
+  bool is_silent(const Session &session, Time now);
 
   const ServerKind kind_;
   const std::string device_;
-  std::string followed_; ///< device of the session that is followed; empty: none
+  std::string followed_; ///< session that is followed; empty: none
   std::string fault_;
   std::optional<Report> last_{}; ///< with the position of the last answer
+  int late_ = 0;                 ///< changes of the position in a row, whose time is unknown
+  std::string reported_;         ///< Session::report of the last answer
+  Time reported_at_{ 0 };
 };
 
 } // namespace follow

@@ -151,6 +151,41 @@ GST_START_TEST(test_two_devices)
 }
 GST_END_TEST;
 
+/// Two sessions of one name, of which the server puts another one first each time; a path of
+/// Windows; a television that is switched off, which the server does not know.
+GST_START_TEST(test_sessions_of_one_name)
+{
+  const auto one = [](const char *id, const char *report, Time position) {
+    return std::string(R"({"Id":")") + id + R"(","LastPlaybackCheckIn":")" + report + "\","
+           + session("Chrome", position, false,
+                     R"("MediaType":"Video","Path":"D:\\\\Films\\\\Film.mkv")")
+                 .substr(1);
+  };
+  MediaServer server(ServerKind::jellyfin, "");
+  const Report first = heard(server, list(one("a", "t", 1s)));
+  ck_assert_str_eq(first.film.c_str(), "Film.mkv");
+  for (int i = 0; i < 3; i++) {
+    fail_unless(heard(server, list(one("b", "u", 7s) + "," + one("a", "t", 2s))).position == 2s);
+    fail_unless(heard(server, list(one("a", "t", 2s) + "," + one("b", "u", 7s))).position == 2s);
+  }
+  fail_unless(heard(server, list(one("a", "t", 30s)), 29s).doing == Doing::playing);
+  fail_unless(heard(server, list(one("a", "t", 33s)), 32s).doing == Doing::stalled);
+  fail_unless(heard(server, list(one("a", "v", 34s)), 33s).doing == Doing::playing);
+}
+GST_END_TEST;
+
+/// Positions that changed while the server did not answer are of no use, and that is reported.
+GST_START_TEST(test_slow_plex)
+{
+  MediaServer server(ServerKind::plex, "");
+  heard(server, plex(0s), 1s);
+  for (int i = 1; i < 4; i++)
+    fail_unless(!heard(server, plex(i * 10s), 1s + i * 10s).position);
+  heard(server, plex(30s), 31100ms);
+  fail_unless(server.fault().find("too slowly") != std::string::npos);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_plex)
 {
   MediaServer server(ServerKind::plex, "");
@@ -230,7 +265,9 @@ media_server_suite()
   tcase_add_test(tcase, test_query);
   tcase_add_test(tcase, test_sessions);
   tcase_add_test(tcase, test_two_devices);
+  tcase_add_test(tcase, test_sessions_of_one_name);
   tcase_add_test(tcase, test_plex);
+  tcase_add_test(tcase, test_slow_plex);
   tcase_add_test(tcase, test_strange_answers);
   tcase_add_test(tcase, test_seconds);
   tcase_add_test(tcase, test_ten_seconds);

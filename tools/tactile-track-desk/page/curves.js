@@ -6,6 +6,7 @@
  * @import {Track, Span} from './track.js'
  * @typedef {{ms: number, level: number}} Point
  */
+import { extent } from './track.js';
 
 /** How far steps may be from a line that stands for them, percent. */
 const TOLERANCE = 3;
@@ -38,7 +39,7 @@ function simplified(points) {
  */
 export function pointsOf(track, { cell, start, end }) {
   const steps = track.spans({ from: start, to: end, cells: [cell] });
-  const half = Math.min(...steps.map((step) => step.end - step.start)) / 2;
+  const half = extent(steps.map((step) => step.end - step.start))[0] / 2;
   const middles = steps.flatMap((step) => [...new Set([step.start + half, step.end - half])]
     .map((ms) => ({ ms, level: step.level })));
   const outer = (ms, a, b = a) => {

@@ -50,9 +50,13 @@ export class Layout {
   }
 
   #show(full) {
+    if (full && !document.body.classList.contains('full'))
+      this.focused = document.activeElement;
     document.body.classList.toggle('full', full);
     $('full').setAttribute('aria-pressed', full);
-    if (!document.activeElement.checkVisibility())
-      $('full').focus();
+    // Space plays in both.
+    const focus = full ? $('play') : this.focused;
+    if (focus?.checkVisibility())
+      focus.focus();
   }
 }

@@ -62,7 +62,8 @@ class Page {
     const { width, height } = session.film;
     if (width && height)
       document.querySelector('main').style.setProperty('--ratio', width / height);
-    session.messages.forEach(tell);
+    for (const text of session.messages)
+      (text.endsWith('restored from the journal') ? tell : fail)(text);
     this.#listen();
     this.layout = new Layout(() => this.#showTime());
     new Toolbar(this.timeline);
@@ -355,7 +356,10 @@ class Page {
       throw new RangeError('The automatic draft is not there yet. Try again when it has been made.');
     if (this.sync.pending)
       throw new RangeError('Edits are still on their way to the desk. Try again in a moment.');
+    const { fingerprint } = this.history.track;
     const { splices } = await desk.post('operation', { revision: this.sync.revision, ...body });
+    if (this.readOnly || this.history.track.fingerprint !== fingerprint)
+      throw new RangeError('The track has changed meanwhile. Try again.');
     this.history.do(splices, { label: kind.label });
     say(splices.length ? `Done: ${kind.label}` : `${kind.label}: nothing to change`);
   }

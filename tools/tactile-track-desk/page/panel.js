@@ -3,6 +3,7 @@ import * as strokes from './strokes.js';
 import { choiceForm, element } from './forms.js';
 import { TEMPLATES, template } from './templates.js';
 import { formatTime, parseTime } from './time.js';
+import { extent } from './track.js';
 
 const noteLines = (text) => text.split(/\n\s*\n/).map((note) => note.trim()).filter(Boolean);
 
@@ -45,7 +46,7 @@ export class Panel {
     }
     const { from, to, cells } = selection;
     const levels = track.spans(selection).map(({ level }) => level);
-    const [least, most] = levels.length ? [Math.min(...levels), Math.max(...levels)] : [0, 0];
+    const [least, most] = levels.length ? extent(levels) : [0, 0];
     const where = cells && cells.length < track.cells ? `cell ${cells.map((cell) => cell + 1).join(', ')}` : 'all cells';
     const felt = !levels.length ? 'silent' : least === most ? `${most} %` : `${least} to ${most} %`;
     const frequency = this.#cueAt(from)?.frequency;

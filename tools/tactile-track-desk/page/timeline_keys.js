@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 /** The keys of the timeline. What they do not use is the page's. */
 import * as strokes from './strokes.js';
-import { cellName } from './track.js';
+import { cellName, extent } from './track.js';
 import { formatTime } from './time.js';
 
 /** What they do, for the help. */
@@ -258,7 +258,7 @@ export class TimelineKeys {
     }
     if (timeline.edit(strokes.addLevel(this.#track, selection, by), 'Level', this.#gesture)) {
       const levels = this.#track.spans(selection).map(({ level }) => level);
-      const [least, most] = [Math.min(...levels), Math.max(...levels)];
+      const [least, most] = extent(levels);
       timeline.say(`Level ${least === most ? most : `${least} to ${most}`}`);
     }
     return undefined;

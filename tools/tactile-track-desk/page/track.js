@@ -23,6 +23,16 @@ export function cellName(cell, { cells, columns }) {
   return cells <= 9 ? `${cell + 1}` : `${Math.floor(cell / columns) + 1}.${cell % columns + 1}`;
 }
 
+/** The least and the largest of any number of values. */
+export function extent(values) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const value of values) {
+    least = Math.min(least, value);
+    most = Math.max(most, value);
+  }
+  return [least, most];
+}
+
 const sameLevels = (a, b) => a === b || a.every((level, cell) => level === b[cell]);
 const sameMap = (a, b) => sameLevels(a.levels, b.levels) && (a.frequency ?? 0) === (b.frequency ?? 0);
 const sameNotes = (a = [], b = []) => a.length === b.length && a.every((note, i) => note === b[i]);
