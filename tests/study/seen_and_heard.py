@@ -190,6 +190,17 @@ def films_cover_the_screen():
             server.act("stop")
         refused = subprocess.run([os.environ["STUDY"], "run", folder, "--no-browser", "--screen=left"], env=display.env, capture_output=True, text=True)
         assert refused.returncode == 2 and "expected --screen=NAME of right, small, got 'left'" in refused.stderr, refused.stderr
+        # A screen that is unplugged, and a window that is hidden.
+        with Server(folder, "--screen=right", env=display.env) as server:
+            display.run("xrandr", "--delmonitor", "right")
+            play(server, "1/film", by_experimenter=True)
+            ended(server)
+            assert "the screen 'right' is gone" in (folder / "data/P01.journal").read_text() and not display.windows()
+            display.run("xrandr", "--setmonitor", "right", "400/100x600/150+400+0", "none")
+            play(server, "1/film", by_experimenter=True)
+            wait_until("the windows", display.windows)
+            display.run("xdotool", "search", "--name", "^Film$", "windowunmap")
+            ended(server)
 
 
 def the_chair_stops_first():

@@ -12,6 +12,7 @@
 
 #include <gst/video/videooverlay.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <stdexcept>
 
@@ -19,7 +20,8 @@ namespace {
 
 using Outcome = study::Play::Outcome;
 
-constexpr const char *kNoNoise = "no-noise"; ///< the masking noise was not heard
+constexpr const char *kNoNoise = "no-noise";   ///< the masking noise was not heard
+constexpr const char *kNotShown = "not-shown"; ///< nobody has seen the film
 
 std::string
 setting(const study::Settings &settings, const char *name, const char *otherwise = "")
@@ -85,9 +87,9 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
 {
   const Film film = discover_film(order.film);
   if (order.window && order.screen)
-    window_ = std::make_unique<FilmWindow>(*order.screen, film.width, film.height, [this] {
-      stop("Escape was pressed, or the film's window was closed");
-    });
+    window_ = std::make_unique<FilmWindow>(
+        monitor(order.screen->name), film.width, film.height,
+        [this] { stop("Escape was pressed, or the film's window was closed"); });
   pipeline_ = make_pipeline(launch_line(film, play_settings(order, window_.get())));
   let_times_advance(
       Owned<GstPad>(gst_element_get_static_pad(element(pipeline_, "analysis").get(), "sink"))
@@ -110,7 +112,7 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
       this, nullptr);
   const double noise = g_ascii_strtod(setting(order.settings, "noise", "0").c_str(), nullptr);
   if (!order.window)
-    result_.doubts.emplace_back("not-shown");
+    result_.doubts.emplace_back(kNotShown);
   if (noise > 0 && !order.window)
     result_.doubts.emplace_back(kNoNoise);
   if (noise > 0 && order.window) {
@@ -193,6 +195,12 @@ FilmPlay::on_map(GstPad *pad, GstBuffer *map)
               .position = static_cast<double>(GST_BUFFER_PTS(map)) / GST_SECOND };
 }
 
+bool
+FilmPlay::is_picture(GstObject *object) const
+{
+  return object == GST_OBJECT(element(pipeline_, "picture").get());
+}
+
 gboolean
 FilmPlay::on_message(GstMessage *message)
 {
@@ -216,6 +224,9 @@ FilmPlay::on_message(GstMessage *message)
     gst_message_parse_warning(message, &error, nullptr);
     if (of_chair)
       result_.chair = error->message;
+    else if (is_picture(GST_MESSAGE_SRC(message))
+             && std::ranges::find(result_.doubts, kNotShown) == result_.doubts.end())
+      result_.doubts.emplace_back(kNotShown); // autovideosink has found no sink
     break;
   case GST_MESSAGE_INFO:
     gst_message_parse_info(message, &error, nullptr);

@@ -46,6 +46,7 @@ public:
   ChairLevels levels() const;
 
 private:
+  bool is_picture(GstObject *object) const;
   gboolean on_message(GstMessage *message);
   void on_map(GstPad *pad, GstBuffer *map);
   void end(study::Play::Outcome outcome, const std::string &text);

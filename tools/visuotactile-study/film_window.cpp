@@ -17,6 +17,8 @@ namespace {
 std::unique_ptr<Display, int (*)(Display *)>
 open_display()
 {
+  // The default handler ends the program, as if a window that a window manager hides were a fault.
+  XSetErrorHandler([](Display *, XErrorEvent *) { return 0; });
   return { XOpenDisplay(nullptr), XCloseDisplay };
 }
 
@@ -64,14 +66,23 @@ monitors()
   return found;
 }
 
+Monitor
+monitor(const std::string &name)
+{
+  const std::vector<Monitor> all = monitors();
+  const auto found = std::ranges::find(all, name, &Monitor::name);
+  if (found == all.end())
+    throw std::runtime_error("the screen '" + name
+                             + "' is gone; connect it, or start again with another --screen");
+  return *found;
+}
+
 FilmWindow::FilmWindow(const Monitor &screen, int width, int height, std::function<void()> left)
     : display_(open_display()), width_(width), height_(height), left_(std::move(left))
 {
   Display *display = display_.get();
   if (display == nullptr)
     throw std::runtime_error("the X server has gone; expected the one of the start");
-  // The default handler ends the program, as if a window that a window manager hides were a fault.
-  XSetErrorHandler([](Display *, XErrorEvent *) { return 0; });
   const double scale = std::min({ 1.0, static_cast<double>(screen.width) / width,
                                   static_cast<double>(screen.height) / height });
   width_ = std::max(1, static_cast<int>(width * scale));
@@ -132,7 +143,8 @@ FilmWindow::look()
     XNextEvent(display_.get(), &event);
     const KeySym key = event.type == KeyPress ? XLookupKeysym(&event.xkey, 0) : NoSymbol;
     const bool is_closed
-        = event.type == ClientMessage && static_cast<Atom>(event.xclient.data.l[0]) == close_;
+        = (event.type == ClientMessage && static_cast<Atom>(event.xclient.data.l[0]) == close_)
+          || (event.type == UnmapNotify && event.xunmap.window == window_);
     if (key == XK_Escape || key == XK_q || is_closed)
       return std::function(left_)(); // may delete this
     if (event.type == MapNotify)

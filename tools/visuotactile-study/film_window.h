@@ -23,13 +23,17 @@ struct _XDisplay;
 /// The screens, the primary one first; empty: there is no X server.
 std::vector<Monitor> monitors();
 
+/// The screen of that name as it is now. Throws std::runtime_error if it is gone.
+Monitor monitor(const std::string &name);
+
 /// A black window over a whole screen, without a pointer, and in its middle one for the film. Main
 /// context's thread.
 class FilmWindow
 {
 public:
-  /// `left` is called when Escape or Q is pressed, or a window manager closes the window. It may
-  /// delete this. A film that is larger than the screen is made smaller. Throws std::runtime_error.
+  /// `left` is called when Escape or Q is pressed, or a window manager closes or hides the window.
+  /// It may delete this. A film that is larger than the screen is made smaller. Throws
+  /// std::runtime_error.
   FilmWindow(const Monitor &screen, int width, int height, std::function<void()> left);
   ~FilmWindow();
   FilmWindow(const FilmWindow &) = delete;

@@ -16,6 +16,8 @@ export class Film extends EventTarget {
   #target = null; // ms: the whole ms that a seek asked for, until the film moves on
   #byUser = true;
   #reload = 0;
+  #opening = false; // the proxy stream, at another place
+  #frame = 0;
 
   /** @param {HTMLVideoElement} video @param {object} film of the session */
   constructor(video, film) {
@@ -26,7 +28,7 @@ export class Film extends EventTarget {
     const state = () => this.dispatchEvent(new Event('state'));
     video.addEventListener('play', () => {
       state();
-      requestAnimationFrame(() => this.#tick());
+      this.#nextTick();
     });
     for (const name of ['pause', 'ratechange', 'volumechange', 'ended', 'waiting', 'playing'])
       video.addEventListener(name, state);
@@ -42,7 +44,7 @@ export class Film extends EventTarget {
   get duration() { return this.#film.duration; }
   get paused() { return this.#video.paused || this.#video.ended; }
   /** Plays, but shows no new frames: it waits for data. */
-  get stalled() { return !this.paused && (this.#video.seeking || this.#video.readyState < 3); }
+  get stalled() { return !this.paused && (this.#isSeeking || this.#video.readyState < 3); }
   get rate() { return this.#video.playbackRate; }
   set rate(rate) { this.#video.playbackRate = this.#video.defaultPlaybackRate = rate; }
   get muted() { return this.#video.muted; }
@@ -50,9 +52,11 @@ export class Film extends EventTarget {
   /** What is shown comes from the proxy stream. */
   get proxied() { return this.#proxy; }
 
+  get #isSeeking() { return this.#opening || this.#video.seeking; }
+
   /** Whole ms. */
   get position() {
-    if (this.#target !== null && (this.#video.paused || this.#video.seeking))
+    if (this.#target !== null && (this.#video.paused || this.#isSeeking))
       return this.#target;
     return this.#clamp(Math.round(this.#offset + this.#video.currentTime * 1000));
   }
@@ -110,13 +114,17 @@ export class Film extends EventTarget {
   #open(target) {
     const playing = !this.#video.paused;
     this.#proxy = true;
+    this.#opening = true;
     clearTimeout(this.#reload);
     this.#reload = setTimeout(() => {
       this.#offset = target;
       const { defaultPlaybackRate } = this.#video;
       this.#video.src = `film.webm?from=${target / 1000}`;
       this.#video.playbackRate = defaultPlaybackRate;
-      this.#video.addEventListener('loadeddata', () => this.#leapt(), { once: true });
+      this.#video.addEventListener('loadeddata', () => {
+        this.#opening = false;
+        this.#leapt();
+      }, { once: true });
       if (playing)
         this.#video.play().catch(() => {});
     }, this.#video.src ? 150 : 0);
@@ -133,15 +141,21 @@ export class Film extends EventTarget {
     if (this.paused)
       return;
     const { loop } = this;
-    if (!this.#video.seeking)
+    if (!this.#isSeeking)
       this.#target = null;
-    if (loop && !this.#video.seeking && (this.position >= loop.to || this.position < loop.from - 50))
+    if (loop && !this.#isSeeking && (this.position >= loop.to || this.position < loop.from - 50))
       this.seek(loop.from, false);
     this.#changed();
-    requestAnimationFrame(() => this.#tick());
+    this.#nextTick();
+  }
+
+  #nextTick() {
+    cancelAnimationFrame(this.#frame);
+    this.#frame = requestAnimationFrame(() => this.#tick());
   }
 
   #failed() {
+    this.#opening = false;
     const unplayable = [MediaError.MEDIA_ERR_DECODE, MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED];
     if (!this.#proxy && unplayable.includes(this.#video.error.code)) {
       this.#open(this.position);

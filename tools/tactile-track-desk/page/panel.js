@@ -7,11 +7,15 @@ import { extent } from './track.js';
 
 const noteLines = (text) => text.split(/\n\s*\n/).map((note) => note.trim()).filter(Boolean);
 
+const FIELDS = ['start', 'end', 'level', 'fadeIn', 'fadeOut', 'comment'];
+
 /** What the selection is, and forms that change it. */
 export class Panel {
   #desk;
   #form = document.getElementById('selection');
   #clip = null;
+  #applies = false;
+  #shown = ''; // the selection whose values the fields have
 
   /**
    * @param {{history: History, timeline: Timeline, film: Film, say: function(string), fail: function(string)}} desk
@@ -20,7 +24,9 @@ export class Panel {
     this.#desk = desk;
     this.#form.addEventListener('submit', (event) => {
       event.preventDefault();
+      this.#applies = true;
       this.#try(() => this.#apply());
+      this.#applies = false;
     });
     for (const button of document.querySelectorAll('[data-edit]'))
       button.addEventListener('click', () => this.#try(() => this.#edit(button.dataset.edit)));
@@ -51,11 +57,19 @@ export class Panel {
     const felt = !levels.length ? 'silent' : least === most ? `${most} %` : `${least} to ${most} %`;
     const frequency = this.#cueAt(from)?.frequency;
     text.textContent = `${formatTime(from)} to ${formatTime(to)} (${formatTime(to - from)}), ${where}, ${felt}${frequency ? `, ${frequency} Hz` : ''}.`;
-    if (this.#form.contains(document.activeElement) && this.#form.matches('.changed'))
+    const shown = JSON.stringify(selection);
+    if (!this.#applies && this.#shown === shown && this.#isTyped())
       return;
+    this.#shown = shown;
     const notes = this.#cueAt(from)?.notes ?? [];
     this.#fill({ start: formatTime(from), end: formatTime(to), level: most || '', fadeIn: 0, fadeOut: 0,
       comment: notes.join('\n\n') });
+  }
+
+  /** Whether something is being typed, and not applied yet. */
+  #isTyped() {
+    return this.#form.contains(document.activeElement)
+      && FIELDS.map((name) => this.#form.elements[name]).some(({ value, defaultValue }) => value !== defaultValue);
   }
 
   #fill(values) {
