@@ -14,6 +14,7 @@ import json
 import os
 import resource
 import signal
+import socket
 import statistics
 import subprocess
 import threading
@@ -131,24 +132,41 @@ def file():
     listener.end()
 
 
+class DeafServer:
+    """A sound server that answers nothing."""
+
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.bind(str(path))
+        self.socket.listen()
+        self.connections, self.closed = [], False
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        while True:
+            connection, _ = self.socket.accept()
+            self.connections.append(connection)
+            while connection.recv(1 << 16):
+                pass
+            self.closed = True
+
+
 def hang():
     """A sound server that hangs holds neither another player's film nor the end."""
     film, library, _ = make_film()
-    sound = NullSink(work)
-    started.append(sound.process)
-    sound.process.send_signal(signal.SIGSTOP)
+    deaf = DeafServer(work / "deaf.socket")
     mpv = Mpv(film)
     listener = Listener("hang", "--listen=null.monitor", f"--tracks={library}", f"--mpv={mpv.path}", "--no-drafts",
-                        environment=dict(os.environ, PULSE_SERVER=f"unix:{sound.socket}"))
+                        environment=dict(os.environ, PULSE_SERVER=f"unix:{work}/deaf.socket"))
     listener.wait_for("plays 'Known.mkv' with '")
+    wait_until("a connection", lambda: deaf.connections)
     set_saver(True)
     listener.wait_for("the screen saver is on")
+    assert not deaf.closed, "it waited for the sound server"
     set_saver(False)
     listener.wait_for("the chair is used again")
     listener.process.send_signal(signal.SIGINT)
     listener.end()
-    sound.process.send_signal(signal.SIGCONT)
-    sound.stop()
     mpv.quit()
 
 
