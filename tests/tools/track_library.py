@@ -67,6 +67,12 @@ def find():
     for _, headers in requests:
         assert set(headers) <= {"Host", "Accept-Encoding", "Connection"}, headers
 
+    # Of UTF-16, as some editors save it.
+    (library / "Wide.vtt").write_text("WEBVTT\n\nNOTE tactile grid=1x1\n\n00:00.000 --> 00:01.000\n50\n", encoding="utf-16")
+    track("index", library)
+    track("find", films / "Wide.mkv", "--tracks", address, "-o", out, "--force")
+    assert track("diff", out, library / "Wide.vtt") == "", "another track"
+
     # Another film has none.
     other = films / "Another.mkv"
     other.write_bytes(b"another")

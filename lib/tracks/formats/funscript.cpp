@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,22 +32,29 @@ is_vibration(std::string_view axis)
 JsonMembers
 chosen_axis(const JsonMembers &root, bool &is_one_of_many)
 {
-  std::vector<JsonMembers> axes;
+  std::size_t count = 0;
+  std::optional<JsonMembers> chosen;
+  bool vibrates = false;
+  const auto offer = [&](const JsonMembers &axis, bool is_vibration) {
+    count++;
+    if (chosen && (vibrates || !is_vibration))
+      return;
+    chosen = axis;
+    vibrates = is_vibration;
+  };
   if (root.has("actions") && root.size("actions") > 0)
-    axes.push_back(root);
-  const std::size_t count = root.has("axes") ? root.size("axes") : 0;
-  for (std::size_t i = 0; i < count; i++) {
+    offer(root, false);
+  const std::size_t axes = root.has("axes") ? root.size("axes") : 0;
+  for (std::size_t i = 0; i < axes; i++) {
     const JsonMembers axis = root.element("axes", i);
     const char *id = axis.find_text("id");
-    axes.insert(id && is_vibration(id) ? axes.begin() : axes.end(), axis);
+    offer(axis, id && is_vibration(id));
   }
   if (root.has("channels"))
-    for (const std::string &name : root.object("channels").names()) {
-      const JsonMembers axis = root.object("channels").object(name.c_str());
-      axes.insert(is_vibration(name) ? axes.begin() : axes.end(), axis);
-    }
-  is_one_of_many = axes.size() > 1;
-  return axes.empty() ? root : axes.front();
+    for (const std::string &name : root.object("channels").names())
+      offer(root.object("channels").object(name.c_str()), is_vibration(name));
+  is_one_of_many = count > 1;
+  return chosen.value_or(root);
 }
 
 /// "[…]"

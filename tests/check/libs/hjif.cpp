@@ -253,6 +253,13 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read_hjif(document(
                        "", "\"actuator_resolution\":{\"X\":2000,\"Y\":2},\"actuator_target\":[],")),
                    "perceptions[0].channels[0].actuator_resolution", "'X'");
+  std::string targets = "{\"X\":0,\"Y\":0}";
+  for (int i = 0; i < 12; i++)
+    targets += "," + targets;
+  ASSERT_COMPLAINT(read_hjif(document("", "\"actuator_resolution\":{\"X\":1,\"Y\":1},"
+                                          "\"actuator_target\":["
+                                              + targets + "," + targets + "],")),
+                   "perceptions[0].channels[0]", "4096 targets");
 }
 GST_END_TEST;
 
