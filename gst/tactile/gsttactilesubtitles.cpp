@@ -74,6 +74,9 @@ constexpr std::size_t kMaxLevels = 16'000'000;
 /// Duration of a cue without one, as in tactileconverter.
 constexpr GstClockTime kDefaultDuration = GST_SECOND;
 
+/// The time of a frame that is before all cues.
+constexpr tactile::Time kBeforeAll = tactile::Time::min();
+
 /// Most maps on one frame: of a still picture that is shown for long.
 constexpr std::size_t kMostMaps = 1000;
 
@@ -402,7 +405,6 @@ on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 static tactile::Time
 cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
 {
-  constexpr tactile::Time kBeforeAll = tactile::Time::min();
   GST_OBJECT_LOCK(self);
   const auto start = static_cast<GstClockTime>(self->priv->start.stream_time().count());
   const std::string source = self->priv->film;

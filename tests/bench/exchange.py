@@ -216,10 +216,10 @@ int main(int, char **argv)
 {
   const std::string folder = std::string(argv[1]) + "/";
   types::Haptics film;
-  if (!io::IOJson::loadFile(folder + "t.hjif", film)) return 1;
+  if (!io::IOJson::loadFile(folder + "t.hjif", film) || !io::IOJson::semanticConformanceCheckExperience(film)) return 1;
   film.linearize();
   if (!synthesizer::Helper::playFile(film, synthesizer::Helper::getTimeLength(film), 8000, 0, *new std::string(folder + "t.wav"))) return 2;
-  types::Haptics of_ahap("2023", "Main", 1, "2026-11-27", "of AHAP");
+  types::Haptics of_ahap("2023", "2026-11-27", "of AHAP");
   of_ahap.setTimescale(1000);
   types::Perception perception(0, 0, "", types::PerceptionModality::Vibrotactile);
   std::string ahap = folder + "t.ahap";

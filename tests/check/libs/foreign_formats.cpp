@@ -311,7 +311,19 @@ GST_START_TEST(test_funscript)
         R"("vib":{"actions":[{"at":0,"pos":40},{"at":100,"pos":40}]}}})";
   ASSERT_LEVEL(read("\xEF\xBB\xBF" + channels, TrackFormat::funscript), 50ms, 0.4);
   ASSERT_COMPLAINT(read_track("{}", TrackFormat::funscript), "document", "'actions'");
-  ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":-1,"pos":0}]})", TrackFormat::funscript),
+  // One file of several axes, as the forum of the writers agreed.
+  ignored.clear();
+  const std::string tracks
+      = R"({"actions":[{"at":0,"pos":10},{"at":100,"pos":10}],"tracks":{"twist":{"actions":[]},)"
+        R"("vib":{"actions":[{"at":0,"pos":50},{"at":100,"pos":50}]}}})";
+  ASSERT_LEVEL(read(tracks, TrackFormat::funscript, &ignored), 50ms, 0.5);
+  fail_unless(ignored == Ignored{ "the other axes" });
+  ignored.clear();
+  ASSERT_LEVEL(read(R"({"actions":[{"at":-5,"pos":0},{"at":10,"pos":70},{"at":20,"pos":70}]})",
+                    TrackFormat::funscript, &ignored),
+               15ms, 0.7);
+  fail_unless(ignored == Ignored{ "the actions before 0:00" });
+  ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":4e8,"pos":0}]})", TrackFormat::funscript),
                    "actions[0]", "100 hours");
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":1}]})", TrackFormat::funscript), "actions[0]",
                    "'pos'");
