@@ -153,6 +153,22 @@ time_of(GstAggregatorPad *pad, GstClockTime pts)
   return time ? std::optional<gint64>(time->count()) : std::nullopt;
 }
 
+/* Running time of the end of a buffer that begins at `begin`; none without a duration. */
+static std::optional<gint64>
+end_of(GstAggregatorPad *pad, GstBuffer *buffer, GstClockTime duration, gint64 begin)
+{
+  GST_OBJECT_LOCK(pad);
+  const GstSegment segment = pad->segment;
+  GST_OBJECT_UNLOCK(pad);
+  if (!GST_CLOCK_TIME_IS_VALID(duration))
+    return std::nullopt;
+  if (segment.rate < 0)
+    return begin + static_cast<gint64>(duration);
+  const std::optional<fusion::Time> end = running_time::of(
+      segment, std::min<GstClockTime>(GST_BUFFER_PTS(buffer) + duration, segment.stop));
+  return end ? std::max(end->count(), begin) : begin;
+}
+
 /* The map in a buffer; silent for a GAP. FALSE if it is not a map. */
 static gboolean
 read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
@@ -216,8 +232,9 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     }
     // Lost on the way: the map before it holds.
     if (running && is_lost(head)) {
-      if (priv->held && priv->held->end && GST_BUFFER_DURATION_IS_VALID(head))
-        priv->held->end = *running + offset + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running);
+      if (priv->held && priv->held->end && end)
+        priv->held->end = *end + offset;
       gst_buffer_unref(head);
       gst_aggregator_pad_drop_buffer(pad);
       continue;
@@ -227,8 +244,8 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     if (is_map && running) {
       next.begin = *running + offset;
       next.is_sound = GST_BUFFER_FLAG_IS_SET(head, kSoundMap);
-      if (GST_BUFFER_DURATION_IS_VALID(head))
-        next.end = next.begin + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      if (const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running))
+        next.end = *end + offset;
       priv->held = next;
     }
     gst_buffer_unref(head);
@@ -338,22 +355,6 @@ put_maps(GstTactileCombiner *self, GstBuffer *frame, const std::vector<Part> &pa
   set_later_maps(frame, later);
 }
 
-/* The end of a frame in running time; its begin where that is not known, and in reverse playback. */
-static gint64
-end_of(GstTactileCombiner *self, GstBuffer *frame, gint64 begin)
-{
-  GST_OBJECT_LOCK(self->videopad);
-  const GstSegment segment = self->videopad->segment;
-  GST_OBJECT_UNLOCK(self->videopad);
-  const GstClockTime duration = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame)
-                                                                    : self->priv->frame_duration;
-  const std::optional<fusion::Time> end
-      = GST_CLOCK_TIME_IS_VALID(duration) ? running_time::of(
-            segment, std::min<GstClockTime>(GST_BUFFER_PTS(frame) + duration, segment.stop))
-                                          : std::nullopt;
-  return end ? std::max(end->count(), begin) : begin;
-}
-
 static GstAggregatorPad *
 tactile_pad(GstTactileCombiner *self)
 {
@@ -424,15 +425,22 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   GST_OBJECT_LOCK(self);
   const Mix mix = self->priv->settings.mix;
   GST_OBJECT_UNLOCK(self);
-  const gint64 end = time ? end_of(self, frame, *time) : 0;
+  const GstClockTime duration = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame)
+                                                                    : self->priv->frame_duration;
+  const gint64 begin = time.value_or(0);
+  const gint64 end = end_of(self->videopad, frame, duration, begin).value_or(begin);
   gst_buffer_unref(frame);
 
   GstAggregatorPad *track = tactile_pad(self);
   std::vector<Part> &parts = self->priv->parts;
   if (track != nullptr && time) {
-    const bool splits = mix == Mix::replace || mix == Mix::max || mix == Mix::sum;
+    GST_OBJECT_LOCK(self->videopad);
+    const bool is_reverse = self->videopad->segment.rate < 0;
+    GST_OBJECT_UNLOCK(self->videopad);
+    /* Other mixes depend on what was before. */
+    const bool splits = !is_reverse && (mix == Mix::replace || mix == Mix::max || mix == Mix::sum);
     const GstFlowReturn flow
-        = add_parts(self, track, *time, splits ? std::max(end, *time + 1) : *time + 1);
+        = add_parts(self, track, begin, splits ? std::max(end, begin + 1) : begin + 1);
     if (flow != GST_FLOW_OK && !(flow == GST_AGGREGATOR_FLOW_NEED_DATA && timeout)) {
       gst_object_unref(track);
       return flow;

@@ -405,7 +405,7 @@ tactilesubtitles_suite()
   Suite *s = suite_create("tactilesubtitles");
   TCase *cases = tcase_create("general");
   suite_add_tcase(s, cases);
-  tcase_add_test(tests, test_cues_within_a_frame);
+  tcase_add_test(cases, test_cues_within_a_frame);
   tcase_add_test(cases, test_track);
   tcase_add_test(cases, test_late_cue);
   tcase_add_test(cases, test_words);
