@@ -199,7 +199,7 @@ is_lost(GstBuffer *gap)
   return gst_buffer_get_custom_meta(gap, "GstAggregatorMissingDataMeta") != nullptr;
 }
 
-/* What the track has at a time to which it was advanced; silence where it has nothing. */
+/* The track at a time to which it was advanced; silence where it has nothing. */
 static Part
 part_at(GstTactileCombiner *self, gint64 time)
 {

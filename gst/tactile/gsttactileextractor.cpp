@@ -6,8 +6,8 @@
  *
  * tactileextractor passes video through and sends the #GstTactileMeta of each frame as a buffer of
  * `application/x-tactile-map` on its `tactile` pad, with the time stamp and duration of the frame.
- * Maps of a track that begin within the frame follow at their own times. The buffer does not reference the frame: a queue in the tactile branch needs a few bytes for
- * each frame.
+ * Maps of a track that begin within the frame follow at their own times. The buffer does not
+ * reference the frame: a queue in the tactile branch needs a few bytes for each frame.
  *
  * A frame without a map is a GAP on the `tactile` pad. The first one is reported by an INFO
  * message, as elements that move the picture, such as `videoflip`, drop the map. Before the first

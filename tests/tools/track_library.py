@@ -69,6 +69,7 @@ def find():
 
     # Of UTF-16, as some editors save it.
     (library / "Wide.vtt").write_text("WEBVTT\n\nNOTE tactile grid=1x1\n\n00:00.000 --> 00:01.000\n50\n", encoding="utf-16")
+    (films / "Wide.mkv").write_bytes(b"wide")
     track("index", library)
     track("find", films / "Wide.mkv", "--tracks", address, "-o", out, "--force")
     assert track("diff", out, library / "Wide.vtt") == "", "another track"
@@ -130,7 +131,8 @@ def play():
     (work / "empty" / "Of it.csv").write_text(
         "# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n511,0.5\n583,0\n745,0.75\n749,0\n1007,1\n1800,0\n", encoding="utf-8")
     short = play_from("short", work / "empty")[1]
-    assert short == [(511, 1.5), (583, 0), (745, 2.25), (749, 0), (1007, 3), (1800, 0)], short
+    # The soft start makes several of the first command.
+    assert short[0][0] == 511 and short[-5:] == [(583, 0), (745, 2.25), (749, 0), (1007, 3), (1800, 0)], short
 
 
 {"find": find, "play": play}[sys.argv[1]]()
