@@ -74,7 +74,7 @@ one() {
   out=$(track "$1")
   reason=$tracks/.reasons/$1
   mkdir -p -- "$(dirname -- "$out")" "$(dirname -- "$reason")"
-  for try in 1 2; do
+  for ((try = 0; try < 2; try++)); do
     status=0
     timeout --kill-after=10 "$limit" tactile-track author --jobs=1 "$films/$1" -o "$out" "${@:2}" 2>"$reason" || status=$?
     case $status in

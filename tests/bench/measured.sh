@@ -113,7 +113,7 @@ CAPTION
     name=$(basename "$film")
     seconds=$(ffprobe -v error -show_entries format=duration -of csv=p=0 "$film")
     cpu=$( { TIMEFORMAT='%U %S'; time "$track" author --quiet --jobs=1 "$film" -o "$work/$name.vtt" >&2; } 2>&1 | tail -n 1)
-    awk -v name="$name, $(ffprobe -v error -select_streams v:0 -show_entries stream=width,height -of csv=p=0:s=× "$film")" -v film="$seconds" -v cpu="$cpu" -v bytes="$(stat -c %s "$work/$name.vtt")" \
+    awk -v name="$name, $(ffprobe -v error -select_streams v:0 -show_entries stream=width,height -of csv=p=0:s=x "$film")" -v film="$seconds" -v cpu="$cpu" -v bytes="$(stat -c %s "$work/$name.vtt")" \
       'BEGIN { split(cpu, used, " "); speed = film / (used[1] + used[2]); hour = bytes / film * 3.6
         printf "| %s | %.1f | %.0f | %.0f | %.1f GB |\n", name, speed, hour, 20000 / speed, hour * 20000 / 1e6 }'
   done

@@ -93,4 +93,19 @@ expect_line tracks/impacts.mkv.vtt '^00:00:0[0-4]\.[0-9]*[1-9][0-9] -->|^00:00:0
 # Only what is seen, made stronger: nothing is seen.
 "$catalogue" impacts tracks -- --force --sound=dialogue-heavy >out || fail "$(cat out err)"
 expect_line out '^impacts\.mkv .* 0 %$'
+# A film in two parts at the same time: until the second begins as in one piece, then nearly.
+gst-launch-1.0 -q tactiletestsrc seed=5 num-buffers=1250 ! video/x-raw,width=160,height=120,framerate=5/1 \
+  ! x264enc speed-preset=ultrafast key-int-max=25 ! matroskamux ! filesink location=long.mkv
+tactile-track author -q long.mkv -o whole.csv
+tactile-track author -q --parts=2 long.mkv -o parts.csv
+expect_line parts.csv 'sound=off parts=2 version='
+paste -d, <(tail -n +2 whole.csv) <(tail -n +2 parts.csv) | awk -F, '
+  function off(a, b) { return a > b ? a - b : b - a }
+  NR > 1 { lines++; later += $1 >= 125000
+    for (i = 1; i <= NF / 2; i++) if (off($i, $(i + NF / 2)) > ($1 < 125000 ? 0 : 0.1)) { print $0; exit 1 } }
+  END { if (lines < 100 || later < 50) exit 1 }' || fail "the parts differ: $(wc -l whole.csv parts.csv)"
+# Shorter films have one part.
+tactile-track author -q --parts=8 films/one.mkv -o one.csv
+tactile-track author -q films/one.mkv -o two.csv
+cmp <(tail -n +2 one.csv) <(tail -n +2 two.csv)
 echo "a catalogue of 5 films: passed"

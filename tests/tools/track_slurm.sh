@@ -13,6 +13,7 @@ stop() {
     [ -s "$work/$file.pid" ] || continue
     id=$(cat "$work/$file.pid")
     # It saves its state at its end.
+    # shellcheck disable=SC2016 # of the inner shell
     timeout 10 bash -c 'kill "$0" && while kill -0 "$0"; do sleep 0.05; done' "$id" 2>/dev/null || true
   done
   rm -rf "$work"
@@ -55,7 +56,7 @@ NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES State=UP
 END
 export SLURM_CONF=$work/slurm.conf
-slurmctld -c && slurmd -c -b || fail "$(cat ./*.log)"
+{ slurmctld -c && slurmd -c -b; } || fail "$(cat ./*.log)"
 for ((i = 0; i < 600; i++)); do
   [ -z "$(sinfo --noheader --states=idle --format=%N 2>/dev/null)" ] || break
   sleep 0.1
