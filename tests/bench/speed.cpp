@@ -238,7 +238,7 @@ struct Target
   std::vector<double> ratios;
 };
 
-/// Of one run. What two threads gain is measured on the wall, one thread, too.
+/// Of one run.
 std::vector<Target>
 targets(const std::vector<Result> &results)
 {
@@ -271,13 +271,6 @@ targets(const std::vector<Result> &results)
   add("R'G'B'x: at most 2 × as long as I420", [](const Result &result) {
     return quicker(result.find("tuned"), result.find("tuned", "RGBx"));
   });
-  for (const auto &[name, method] : { std::pair{ "two threads: 1.7 × as quick as one", "tuned" },
-                                      { "two threads, 30 frames a second", kPlayed } })
-    add(name, [method = method](const Result &result) {
-      const Contender *one = result.find(method);
-      const Contender *two = result.find(method, "I420", 2);
-      return one && two ? ratio(one->wall_ms, two->wall_ms) : std::nan("");
-    });
   return all;
 }
 
