@@ -115,7 +115,7 @@ constexpr P kProperties[] = {
   P::flag("keep-maps", "Do not analyze frames that already have a map", kPlaying,
           PROPERTY_FIELD(keep_maps)),
   P::number<guint>("n-threads",
-                   "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,
+                   "Threads that work on a frame, with the same result (0 = automatic: one)", kPlaying,
                    PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
   P::flag("exact", "Take every pixel's color: hardly better maps, several times the cost", kPlaying,
           PROPERTY_FIELD(exact)),
