@@ -29,8 +29,8 @@ constexpr const char *kSi = "urn:mpeg:mpeg21:2003:01-DIA-XSI-NS";
 constexpr const char *kXsi = "http://www.w3.org/2001/XMLSchema-instance";
 constexpr double kDefaultRate = 5;
 constexpr int kTimescale = 1000;
-/// Most bytes of a map's samples, and of those of all maps beyond one each. What lasts longer has
-/// fewer samples. Libxml reads no longer texts than 10 MB.
+/// Most bytes of a map's samples, and of those of all maps beyond one each. Longer maps have fewer
+/// samples.
 constexpr std::int64_t kMostOfMap = 8 << 20;
 constexpr std::int64_t kMostSamples = 128 << 20;
 constexpr std::ptrdiff_t kMostNodes = 4'000'000; ///< tags and attributes of a document
