@@ -377,7 +377,13 @@ CAPTION
       head_of "CPU time of playing a film"
       printf 'The table has the user and system time of all threads that decode an H.264 film, with and without
 saliencytactile.\n\n'
-      "$here/playback.sh"
+      clip=$root/../shared/data/clips/sintel-trailer.mp4
+      if [ -f "$clip" ]; then
+        "$here/playback.sh" "$clip"
+        printf '\nThe clip is © Blender Foundation, www.sintel.org, CC BY 3.0.\n'
+      else
+        "$here/playback.sh"
+      fi
       ;;
     sound)
       head_of "Sound"
