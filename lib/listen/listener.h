@@ -27,7 +27,8 @@ struct Heard
 
 /// Detects the film that plays and its position, twice a second. A search compares the sound with
 /// all films, also at the speeds 25/24 and 24/25; after a find, the sound is compared with this
-/// film alone. A large catalogue is searched less often. Sound is dropped after 12 seconds. Reads no clock; not thread-safe.
+/// film alone. A large catalogue is searched less often. Sound is dropped after 12 seconds. Reads
+/// no clock; not thread-safe.
 class Listener
 {
 public:

@@ -3,8 +3,8 @@
 // Films known by their sound: how soon, how surely and how exactly, in rooms and noise, beside
 // Chromaprint's fingerprints by a sliding match. Tables of docs/measured/listen.md.
 //
-// Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]      FOLDER: sounds, see listen_sounds.h; QUERIES a row;
-//                                                        MINUTES of each sound that is in no entry
+// Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]      FOLDER: sounds, see listen_sounds.h;
+//          QUERIES: a row; MINUTES: of each sound that is in no entry
 //        listen --search FILE FILMS      a search in so many films of two hours; FILE: see sizes()
 #include "listen_sounds.h"
 
@@ -269,7 +269,7 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
       }
     std::array<char, 200> sum{};
     std::snprintf(sum.data(), sum.size(),
-                  "Of all %d at %+.0f dB: %.1f %% right within 5 s, %.1f %% within 10 s.\n", rows,
+                  "All %d queries at %+.0f dB: %.1f %% right within 5 s, %.1f %% within 10 s.\n", rows,
                   ratio, 100.0 * all_five / rows, 100.0 * all_ten / rows);
     sums += sum.data();
   }
@@ -368,8 +368,8 @@ read_numbers(std::ifstream &file)
   return numbers;
 }
 
-/// Searches in films of two hours each, with values as frequent as those of the titles, in a process
-/// of their own.
+/// Searches in films of two hours each, with values as frequent as those of the titles, in
+/// processes of their own.
 void
 sizes(const Pool &pool, std::span<const std::uint32_t> values, const std::string &program)
 {
