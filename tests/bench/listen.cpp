@@ -269,8 +269,9 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
       }
     std::array<char, 200> sum{};
     std::snprintf(sum.data(), sum.size(),
-                  "All %d queries at %+.0f dB: %.1f %% right within 5 s, %.1f %% within 10 s.\n", rows,
-                  ratio, 100.0 * all_five / rows, 100.0 * all_ten / rows);
+                  "All %d queries at %+.0f dB: %.1f %% right within 5 s, "
+                  "%.1f %% within 10 s.\n",
+                  rows, ratio, 100.0 * all_five / rows, 100.0 * all_ten / rows);
     sums += sum.data();
   }
   std::printf("\n%sWrong in all: %d of %d queries.\n", sums.c_str(), all_wrong, all);
