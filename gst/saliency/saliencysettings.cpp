@@ -98,6 +98,8 @@ constexpr P kProperties[] = {
             PROPERTY_FIELD(people), people_mode_type),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
+  P::choice("camera", "What a camera that travels makes; nothing with profile=paper", kPlaying,
+            PROPERTY_FIELD(camera), camera_mode_type),
   P::choice("video-direction",
             "How the picture, and with it the grid, is turned on its way to the screen (auto: by "
             "its tag)",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../cameramode.h"
 #include "../peoplemode.h"
 #include "../properties.h"
 #include "saliency/region_weights.h"
@@ -41,6 +42,7 @@ struct SaliencySettings
   std::shared_ptr<const saliency::RegionWeights> roi_weights; ///< null: 1 for every type
   std::string roi_weights_error; ///< why the last text was refused; empty: it was not
   ViewportMode viewport = ViewportMode::fixed;
+  CameraMode camera = CameraMode::off;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   tactile::CueLimits cue_limits;
   bool attach_saliency = false;
