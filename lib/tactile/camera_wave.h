@@ -16,11 +16,11 @@ struct CameraWay
   double ahead = 0; ///< logarithm of the picture's growth
 };
 
-/// A travelling camera as an effect of its own: a soft wave that runs over the grid in the direction
-/// of travel, from the middle to both sides if that is ahead.
+/// A travelling camera as an effect of its own: a soft wave that runs over the grid in the
+/// direction of travel, from the middle to both sides if that is ahead.
 ///
-/// The wave and events never mix. It is weaker than any event, absent while one is felt, and returns
-/// within about a second. A camera that shakes makes none. Not thread-safe.
+/// The wave and events never mix. It is weaker than any event, absent while one is felt, and
+/// returns within about a second. A camera that shakes makes none. Not thread-safe.
 class CameraWave
 {
 public:
