@@ -176,6 +176,7 @@ map_sink(GstSoundTactile *self)
     };
   return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
     GstBuffer *buffer = gst_tactile_map_buffer_new(map.levels.data(), map.levels.size());
+    gst_buffer_set_tactile_frequency(buffer, map.frequency);
     GST_BUFFER_PTS(buffer) = begin;
     GST_BUFFER_DURATION(buffer) = end - begin;
     const bool sounds = !tactile::is_silent(map);

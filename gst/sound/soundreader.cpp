@@ -94,10 +94,18 @@ SoundReader::reset()
 {
   if (analyzer_)
     analyzer_->reset();
-  std::ranges::fill(map_.levels, 0.0F);
+  clear();
   base_ = GST_CLOCK_TIME_NONE;
   count_ = 0;
   number_ = 0;
+}
+
+void
+SoundReader::clear()
+{
+  std::ranges::fill(map_.levels, 0.0F);
+  map_.frequency = 0;
+  strongest_ = 0;
 }
 
 GstClockTime
@@ -139,6 +147,10 @@ SoundReader::feel(std::span<const sound::Moment> moments, const Settings &settin
 {
   for (const sound::Moment &moment : moments) {
     const auto begin = static_cast<GstClockTime>(moment.begin.count());
+    if (moment.level > strongest_) {
+      strongest_ = moment.level;
+      map_.frequency = moment.frequency;
+    }
     if (moment.level > 0)
       sound::raise(map_, moment.place, analyzer_->has_rear(), moment.level);
     const GstClockTime end = slot(number_ + 1, settings.maps_per_second);
@@ -146,7 +158,7 @@ SoundReader::feel(std::span<const sound::Moment> moments, const Settings &settin
       continue;
     sink(map_, base_ + slot(number_, settings.maps_per_second), base_ + end);
     number_++;
-    std::ranges::fill(map_.levels, 0.0F);
+    clear();
   }
 }
 

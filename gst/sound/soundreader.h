@@ -45,6 +45,7 @@ public:
   void reset();
 
 private:
+  void clear();
   void convert(const GstAudioBuffer &audio, gsize first, gsize count);
   void feel(std::span<const sound::Moment> moments, const Settings &settings, const MapSink &sink);
   GstClockTime slot(gint64 number, guint maps_per_second) const;
@@ -54,6 +55,7 @@ private:
   std::vector<guint8> unpacked_; ///< a block of one channel or of all
   std::vector<float> frames_;    ///< a block, interleaved
   tactile::TactileMap map_;      ///< of the current slot
+  float strongest_ = 0;          ///< level of its moments
   GstClockTime base_ = GST_CLOCK_TIME_NONE;
   guint64 count_ = 0; ///< frames since base_
   gint64 number_ = 0; ///< slots since base_

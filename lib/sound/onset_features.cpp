@@ -51,7 +51,12 @@ OnsetFeatures::add(const BandPowers &powers)
 {
   follow(powers);
   known_ = std::min(known_ + 1, kHeld);
-  return compare() && known_ > kPast;
+  newest_kept_ = (newest_kept_ + 1) % kept_.size();
+  Kept &kept = kept_[newest_kept_];
+  kept.rises = compare() && known_ > kPast;
+  if (kept.rises)
+    std::ranges::copy(features_, kept.features.begin());
+  return kept.rises;
 }
 
 void
@@ -109,6 +114,8 @@ OnsetFeatures::compare()
       fine_past[i] = std::max(fine_past[i], hop(ago).fine[i]);
   }
 
+  kept_[newest_kept_].now = now;
+  kept_[newest_kept_].past = past;
   // How much each of 14 bands rises.
   std::array<float, kLowBands + kFine> rises{};
   for (std::size_t i = 0; i < kLowBands; i++)
@@ -181,12 +188,54 @@ OnsetFeatures::compare()
   *out++ = 10 * hop(kNow - 1).voicing;
   *out++ = std::clamp(now[kWhole] - hop(kGap).loud_voice, -20.0F, 20.0F);
   compare_strokes(shape, out);
+  out += 6;
+  Levels long_ago = hop(kLongAgo).db;
+  for (int ago = kLongAgo + 1; ago < kHeld; ago++)
+    for (std::size_t i = 0; i < kLevels; i++)
+      long_ago[i] = std::max(long_ago[i], hop(ago).db[i]);
+  for (std::size_t i = 0; i < kLevels; i++)
+    *out++ = std::clamp(now[i] - long_ago[i], -10.0F, 40.0F);
+  *out++ = std::clamp(now[kWhole] - past[kWhole], 0.0F, 60.0F);
 
   before_.fill(0);
   for (int ago = kGap; ago <= kPast; ago++)
     for (std::size_t band = 0; band < kBands; band++)
       before_[band] = std::max(before_[band], hop(ago).power[band]);
   return true;
+}
+
+std::span<const float>
+OnsetFeatures::later_features()
+{
+  Kept &kept = kept_[(newest_kept_ + 1) % kept_.size()];
+  if (!kept.rises)
+    return {};
+  Levels soon{};
+  Levels late{};
+  Levels most{};
+  most.fill(kFloor);
+  float voicing = 0;
+  double uneven = 0;
+  for (int ago = 0; ago < kLater; ago++) {
+    for (std::size_t i = 0; i < kLevels; i++) {
+      const float db = hop(ago).db[i];
+      soon[i] += ago >= kLater - 5 ? db / 5 : 0;
+      late[i] += ago < 8 ? db / 8 : 0;
+      most[i] = std::max(most[i], db);
+    }
+    voicing += hop(ago).voicing / kLater;
+    uneven += (hop(ago).uneven[4] + hop(ago).uneven[5] + hop(ago).uneven[6]) / 3 / kLater;
+  }
+  float *out = kept.features.data() + kCount;
+  for (std::size_t i = 0; i < kLevels; i++) {
+    *out++ = std::clamp(soon[i] - kept.now[i], -40.0F, 20.0F);
+    *out++ = std::clamp(late[i] - kept.now[i], -40.0F, 20.0F);
+    *out++ = std::clamp(most[i] - kept.past[i], -10.0F, 40.0F);
+  }
+  *out++ = 10 * voicing;
+  *out++ = static_cast<float>(std::min(uneven, 20.0));
+  *out++ = *std::max_element(fluxes_.begin(), fluxes_.begin() + 11);
+  return kept.features;
 }
 
 /// The greatest rise within 50 ms is a stroke, once it is over.
@@ -256,6 +305,7 @@ OnsetFeatures::reset()
   shapes_.fill({});
   flux_95_ = flux_99_ = flux_most_ = 0;
   newest_stroke_ = 0;
+  kept_.fill({});
 }
 
 } // namespace sound

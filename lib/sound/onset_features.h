@@ -19,7 +19,10 @@ public:
   /// Hops after a moment that its features need.
   static constexpr int kAhead = 2;
 
-  static constexpr int kCount = 99;
+  static constexpr int kCount = 109;
+  /// Later hops, and features of them, with which kAhead more is known.
+  static constexpr int kLater = 16;
+  static constexpr int kLaterCount = 30;
 
   OnsetFeatures();
 
@@ -31,6 +34,10 @@ public:
   {
     return features_;
   }
+
+  /// The features of the hop kAhead + kLater before the last, and of the kLater hops after it;
+  /// empty if nothing rose there.
+  std::span<const float> later_features();
 
   /// Powers in the last 50 ms before an impact at that hop, the largest of each band.
   const Powers &before() const
@@ -46,7 +53,8 @@ public:
   static constexpr int kPast = 15;
 
 private:
-  static constexpr int kHeld = kPast + 1;
+  static constexpr int kLongAgo = 24; ///< hops from here to the oldest are the past of a slow rise
+  static constexpr int kHeld = 40;
   static constexpr std::size_t kFine = 12;      ///< bands of single bins' mean levels
   static constexpr std::size_t kWhole = kBands; ///< index of all bands' level
   static constexpr std::size_t kLevels = kWhole + 1;
@@ -96,6 +104,18 @@ private:
   std::size_t newest_stroke_ = 0; ///< how many there were
   std::array<float, kCount> features_{};
   Powers before_{};
+
+  /// A moment whose later hops come.
+  struct Kept
+  {
+    bool rises = false;
+    Levels now{};
+    Levels past{};
+    std::array<float, kCount + kLaterCount> features{};
+  };
+
+  std::array<Kept, kLater + 1> kept_{};
+  std::size_t newest_kept_ = 0;
 };
 
 } // namespace sound

@@ -58,6 +58,8 @@ SoundAnalyzer::reset()
   hop_ = 0;
   impact_ = {};
   rumble_.reset();
+  impact_pitch_.reset();
+  rumble_pitch_.reset();
   loudness_.reset();
 }
 
@@ -103,10 +105,14 @@ SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
   const double heard = rumble_.add(powers(ahead), gain_db);
   const double rumble = settings.rumble ? heard : 0;
   moment.level = static_cast<float>(std::max(impact, rumble));
-  if (impact >= rumble)
+  const float deep = rumble_pitch_.add(powers(ahead), { powers(ahead).sum[0] });
+  if (impact >= rumble) {
     moment.place = impact_.place;
-  else
+    moment.frequency = impact_.frequency;
+  } else {
     moment.place = place_of(speakers_, rumble_.powers(), 1);
+    moment.frequency = deep;
+  }
   return moment;
 }
 
@@ -114,6 +120,7 @@ void
 SoundAnalyzer::begin_impact()
 {
   impact_ = { .lasts = true, .before = detector_.before() };
+  impact_pitch_.reset();
   const int newest = OnsetDetector::kAhead - OnsetFeatures::kAhead;
   std::array<double, kMaxSpeakers> rises{};
   for (std::size_t c = 0; c < speakers_.size(); c++)
@@ -144,8 +151,11 @@ SoundAnalyzer::feel_impact(double gain_db)
     if (impact_.hops == 0)
       for (int ago = 0; ago < OnsetFeatures::kNow; ago++)
         power = std::max(power, powers(ahead - OnsetFeatures::kAhead + ago).sum[band]);
-    excess += std::max(0.0, power - impact_.before[band]);
+    impact_.excess[band] = std::max(0.0, power - impact_.before[band]);
+    excess += impact_.excess[band];
   }
+  if (impact_.hops < kAttackHops)
+    impact_.frequency = impact_pitch_.add(powers(ahead), impact_.excess);
   // Then it only fades: what gets louder is something else.
   if (impact_.hops < kAttackHops) {
     impact_.smooth = impact_.power = impact_.loudest = std::max(impact_.loudest, excess);

@@ -4,6 +4,7 @@
 #include "sound/bands.h"
 #include "sound/loudness.h"
 #include "sound/onset_detector.h"
+#include "sound/pitch.h"
 #include "sound/place.h"
 #include "sound/rumble.h"
 
@@ -24,7 +25,8 @@ struct FeelSettings
 struct Moment
 {
   Time begin{ 0 }; ///< of the sound since the reset
-  float level = 0; ///< [0, 1]
+  float level = 0;     ///< [0, 1]
+  float frequency = 0; ///< Hz, where the level is not 0
   Place place;
   bool onset = false; ///< an impact or an explosion begins within 8 ms of the middle
 };
@@ -65,6 +67,8 @@ private:
     double power = 0;  ///< the least of `smooth` since the onset
     double loudest = 0;
     double level = 0;
+    Powers excess{}; ///< of the last hop, above `before`
+    float frequency = 0;
     Place place;
   };
 
@@ -83,6 +87,8 @@ private:
   std::int64_t hop_ = 0; ///< the next
   Impact impact_;
   Rumble rumble_;
+  Pitch impact_pitch_;
+  Pitch rumble_pitch_;
   Loudness loudness_;
   std::vector<Moment> moments_;
 };
