@@ -69,9 +69,9 @@ class LowBands
 public:
   struct Powers
   {
-    double deep = 0; ///< 18–65 Hz, mean square
-    double bass = 0; ///< 65–130 Hz
-    double peak = 0; ///< the largest square of a sample of both
+    double deep = 0;  ///< 18–65 Hz, mean square
+    double bass = 0;  ///< 65–130 Hz
+    double peak = 0;  ///< the largest square of a sample of both
     double slope = 0; ///< sum of both bands' mean squares of differences of neighboring samples
   };
 

@@ -42,8 +42,7 @@ Pitch::add(const BandPowers &powers, const Powers &felt)
     hz = kRate / std::numbers::pi * std::asin(std::min(1.0, std::sqrt(slope_ / low_) / 2));
   else
     hz = kHighest
-         * std::pow(kFirstOctave / kHighest
-                        * std::exp2(octaves / (total - felt_[0] - felt_[1])),
+         * std::pow(kFirstOctave / kHighest * std::exp2(octaves / (total - felt_[0] - felt_[1])),
                     kMapped);
   const double step = std::round(3 * std::log2(std::max(hz, kLowest) / kLowest));
   return static_cast<float>(std::round(kLowest * std::exp2(step / 3)));

@@ -19,6 +19,7 @@ struct FeelSettings
   double gain_db = 0;  ///< added to every sound before its level
   bool impacts = true; ///< impacts, explosions and shots are felt
   bool rumble = true;  ///< rumble below 65 Hz is felt
+  float surer = 0;     ///< more than the least score that an impact needs
 };
 
 /// The effects during kHopTime.
@@ -40,7 +41,8 @@ public:
   static constexpr int kHighestRate = 192000;
 
   /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers.
-  SoundAnalyzer(int rate, std::span<const Speaker> speakers);
+  /// `looks_ahead`: impacts are known 80 ms later, and better.
+  SoundAnalyzer(int rate, std::span<const Speaker> speakers, bool looks_ahead = false);
 
   /// Takes interleaved frames, any number. Returns the moments that are known now, valid until the
   /// next call.
@@ -55,7 +57,7 @@ public:
   void reset();
 
 private:
-  static constexpr int kHeld = OnsetFeatures::kPast + 1; ///< hops
+  static constexpr int kHeld = OnsetFeatures::kLater + OnsetFeatures::kPast + 1; ///< hops
 
   /// An impact while it lasts.
   struct Impact

@@ -66,7 +66,7 @@ main(int argc, char **argv)
                          bytes.size() / sizeof(float));
   const auto speakers = sound::usual_speakers(1);
   sound::Bands bands(sound::kRate, speakers);
-  sound::OnsetFeatures onset;
+  Onset onset(true);
   sound::RumbleFeatures rumble;
   sound::BandPowers powers;
   int hop = 0;
@@ -78,13 +78,12 @@ main(int argc, char **argv)
       if (of == "rumble") {
         row = rumble.add(powers);
       } else {
-        onset.add(powers);
-        row = onset.later_features();
+        if (onset.add(powers))
+          row = onset.features();
       }
       if (row.empty())
         continue;
-      const auto number
-          = static_cast<float>(of == "rumble" ? hop : hop - Onset::kAhead - Onset::kLater);
+      const auto number = static_cast<float>(of == "rumble" ? hop : hop - onset.ahead());
       std::fwrite(&number, sizeof number, 1, stdout);
       std::fwrite(row.data(), sizeof(float), row.size(), stdout);
     }
