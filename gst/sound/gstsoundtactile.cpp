@@ -31,7 +31,8 @@
  * ## With the picture
  * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
  * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
- * Their `sound` then says what is felt, and 400 ms of sound wait here unless the source is live.
+ * Their `sound` then says what is felt, and 480 ms of sound wait here unless the source is live; with
+ * them, impacts are told from music better.
  * More is in [Sound joins in](../guide/sound.md).
  *
  * ## Example launch lines
@@ -76,8 +77,8 @@ using Settings = SoundReader::Settings;
 
 /// How much sound that a chair beside it feels waits behind the analysis: the chair needs its maps
 /// 190 ms before they are heard and two frames ahead, and sinks take sound no earlier than they
-/// have to.
-constexpr GstClockTime kAhead = 400 * GST_MSECOND;
+/// have to. The analysis looks 100 ms ahead.
+constexpr GstClockTime kAhead = 480 * GST_MSECOND;
 
 struct Private
 {
@@ -222,6 +223,10 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
     priv->used.feel.gain_db += profile->gain_db;
     priv->used.feel.impacts &= profile->impacts;
     priv->used.feel.rumble &= profile->rumble;
+  }
+  if (const bool holds = joined(self) && !priv->is_live; holds != priv->reader.looks_ahead()) {
+    drain(self);
+    priv->reader.look_ahead(holds);
   }
   agree_on_grid(self);
   priv->flow = priv->pads->maps_flow();

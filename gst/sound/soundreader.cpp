@@ -62,15 +62,29 @@ SoundReader::set_format(const GstAudioInfo &info, int rows, int columns)
       || GST_AUDIO_INFO_RATE(&info) < sound::SoundAnalyzer::kLowestRate
       || GST_AUDIO_INFO_RATE(&info) > sound::SoundAnalyzer::kHighestRate)
     return false;
-  std::vector<sound::Speaker> speakers;
-  for (gsize c = 0; c < channels; c++)
-    speakers.push_back(GST_AUDIO_INFO_IS_UNPOSITIONED(&info)
-                           ? sound::kCenter
-                           : speaker(GST_AUDIO_INFO_POSITION(&info, c)));
-  analyzer_.emplace(GST_AUDIO_INFO_RATE(&info), speakers);
+  make_analyzer();
   frames_.resize(kBlock * channels);
   unpacked_.resize(kBlock * channels * sizeof(gdouble));
   return true;
+}
+
+void
+SoundReader::make_analyzer()
+{
+  std::vector<sound::Speaker> speakers;
+  for (guint c = 0; c < static_cast<guint>(GST_AUDIO_INFO_CHANNELS(&info_)); c++)
+    speakers.push_back(GST_AUDIO_INFO_IS_UNPOSITIONED(&info_)
+                           ? sound::kCenter
+                           : speaker(GST_AUDIO_INFO_POSITION(&info_, c)));
+  analyzer_.emplace(GST_AUDIO_INFO_RATE(&info_), speakers, looks_ahead_);
+}
+
+void
+SoundReader::look_ahead(bool looks_ahead)
+{
+  looks_ahead_ = looks_ahead;
+  if (analyzer_)
+    make_analyzer();
 }
 
 void

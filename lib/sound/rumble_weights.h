@@ -35,6 +35,6 @@ inline constexpr std::array<float, 8> kRumbleHiddenOffset{ 0.8302F,  -0.1784F, 0
                                                            0.07835F, 1.548F,   -0.9F,   0.7266F };
 inline constexpr std::array<float, 8> kRumbleOut{ 1.011F, 0.9195F, -1.232F, -1.334F,
                                                   1.064F, 1.3F,    1.507F,  1.066F };
-inline constexpr float kRumbleOffset = -3.3249F;
+inline constexpr float kRumbleOffset = -2.9649F;
 
 } // namespace sound
