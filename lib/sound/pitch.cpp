@@ -14,7 +14,7 @@ namespace {
 constexpr double kSmooth = 0.12;
 constexpr double kNothing = 1e-9;
 /// A sound has a low pitch if that part of it is below kHighest.
-constexpr double kLeastPart = 0.1;
+constexpr double kLeastPart = 0.03;
 constexpr double kLowest = 20;
 constexpr double kHighest = 130;
 /// 130 Hz to 8 kHz become 130 to 300 Hz.
@@ -39,7 +39,8 @@ Pitch::add(const BandPowers &powers, const Powers &felt)
   }
   double hz = 0;
   if (felt_[0] + felt_[1] > kLeastPart * total)
-    hz = kRate / std::numbers::pi * std::asin(std::min(1.0, std::sqrt(slope_ / low_) / 2));
+    hz = std::min(kHighest, kRate / std::numbers::pi
+                                * std::asin(std::min(1.0, std::sqrt(slope_ / low_) / 2)));
   else
     hz = kHighest
          * std::pow(kFirstOctave / kHighest * std::exp2(octaves / (total - felt_[0] - felt_[1])),

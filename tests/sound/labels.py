@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """How well a track of a film fits the film's labels (tests/quality/labels): as tests/quality/labels.h, every 40 ms.
 
-Usage: labels.py LABELS TRACK.csv      prints precision, recall and the share of quiet time that is felt, with bars between"""
+Usage: labels.py LABELS TRACK.csv      prints precision, recall and the share of quiet time that is felt, with commas between"""
 
 import csv
 import sys
@@ -49,4 +49,4 @@ for start, end, verdict, cells in spans(sys.argv[1]):
     if verdict == "felt":
         halves += max(1, round((end - start) / 0.5))
         found += len(hits)
-print(share(right, felt), share(found, halves), share(quiet_felt, quiet), sep=" | ")
+print(share(right, felt), share(found, halves), share(quiet_felt, quiet), sep=", ")
