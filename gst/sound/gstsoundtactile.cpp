@@ -22,6 +22,10 @@
  * voices, has no place. Low frequency effects, mono and sounds that differ between left and
  * right are felt everywhere.
  *
+ * ## Frequency
+ * Maps have the sound's own frequency from 20 to 130 Hz, or up to 300 Hz where it has no bass, for
+ * actuators that have a choice.
+ *
  * ## Time
  * A map is known once the sound 10.6 ms after its end is in (at 48 kHz). With the map's own length
  * that is the latency of the `tactile` pad; `src` has none. Put a queue on each branch, as behind a
@@ -31,8 +35,8 @@
  * ## With the picture
  * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
  * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
- * Their `sound` then says what is felt, and 480 ms of sound wait here unless the source is live; with
- * them, impacts are told from music better.
+ * Their `sound` then says what is felt, and 480 ms of sound wait here unless the source is live. In
+ * them, impacts differ more from music.
  * More is in [Sound joins in](../guide/sound.md).
  *
  * ## Example launch lines

@@ -304,7 +304,7 @@ inline constexpr std::array<float, 40> kOnsetOut{
 };
 inline constexpr float kOnsetOffset = -3.0556F;
 /// The mean score of an impact is above.
-inline constexpr float kOnsetLeast = 0.0000F;
+inline constexpr float kOnsetLeast = 0.F;
 
 inline constexpr std::array<float, 139> kLaterMean{
   1.671F,   2.456F,  2.795F,  2.81F,   2.75F,   2.506F,  2.638F,   2.452F,  2.905F,  6.874F,
