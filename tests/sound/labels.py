@@ -5,6 +5,7 @@
 Usage: labels.py LABELS TRACK.csv      prints precision, recall and the share of quiet time that is felt, with commas between"""
 
 import csv
+import math
 import sys
 
 STEP = 0.04
@@ -19,7 +20,7 @@ def spans(file):
 def levels(file):
     """(time, nine levels), in order"""
     rows = list(csv.reader(line for line in open(file, encoding="utf-8") if not line.startswith("#")))
-    return [(float(row[0]), [float(level) for level in row[-9:]]) for row in rows if row and row[0].replace(".", "").isdigit()]
+    return [(float(row[0]) / 1000, [float(level) for level in row[1:10]]) for row in rows[1:]]
 
 
 def share(part, whole):
@@ -31,7 +32,7 @@ right = felt = quiet = quiet_felt = found = halves = 0
 at, now = 0, [0] * 9
 for start, end, verdict, cells in spans(sys.argv[1]):
     hits = set()
-    for step in range(-(-int(start * 1000) // 40), -(-int(end * 1000) // 40)):
+    for step in range(math.ceil(start / STEP - 1e-6), math.ceil(end / STEP - 1e-6)):
         time = step * STEP
         while at < len(track) and track[at][0] <= time + 1e-6:
             now = track[at][1]
@@ -47,6 +48,6 @@ for start, end, verdict, cells in spans(sys.argv[1]):
         if fits and verdict == "felt":
             hits.add(int((time - start) / 0.5))
     if verdict == "felt":
-        halves += max(1, round((end - start) / 0.5))
+        halves += math.ceil((end - start) / 0.5 - 1e-6)
         found += len(hits)
 print(share(right, felt), share(found, halves), share(quiet_felt, quiet), sep=", ")
