@@ -28,7 +28,7 @@ declare -A packages=(
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio opencv-data"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 gir1.2-gst-rtsp-server-1.0 xvfb gstreamer1.0-opencv
           umockdev libumockdev-dev libx11-6 gst123 totem parole clapper gir1.2-gtk-4.0 libgtk-4-media-gstreamer gir1.2-webkit2-4.1 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
-          parallel python3-websockets python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber mpv vlc-bin vlc-plugin-base vlc-plugin-video-output kodi kodi-bin python3-dbusmock systemd python3-opencv python3-scipy python3-numpy
+          parallel slurmctld slurmd slurm-client munge python3-websockets python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber mpv vlc-bin vlc-plugin-base vlc-plugin-video-output kodi kodi-bin python3-dbusmock systemd python3-opencv python3-scipy python3-numpy
           clang-format-14 codespell appstream git mandoc libaubio-dev libchromaprint-tools espeak-ng flite asterisk-core-sounds-en-g722 asterisk-core-sounds-es-g722 asterisk-prompt-es-co asterisk-prompt-fr-armelle
           asterisk-prompt-it-menardi-wav pocketsphinx-testdata alsa-utils chromium chromium-driver python3-selenium x11-utils x11-xserver-utils xdotool poppler-utils"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0

@@ -7,7 +7,8 @@
  * tactilecombiner puts a stream of tactile maps, such as a designer's track from
  * `tactileconverter`, on the frames of a film: each frame gets a #GstTactileMeta with the map at
  * its start, or a silent one where the track has none. The track may be longer, shorter or later
- * than the film. Without a track, the film passes through.
+ * than the film. Without a track, the film passes through. `tactileextractor` also sends the maps
+ * that begin or end within a frame, at their own times; with the mixes `replace`, `max` and `sum`.
  *
  * #GstTactileCombiner:mix determines what happens to a frame that already has a map, from
  * `saliencytactile`. Unless the map is replaced, the track is resampled to the frame's grid. With
@@ -34,6 +35,7 @@
 #include "../properties.h"
 #include "../runningtime.h"
 #include "fusion/fusion.h"
+#include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 #include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
@@ -42,9 +44,12 @@
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 using tactile::Mix;
 using tactile::TactileMap;
@@ -55,6 +60,9 @@ GST_DEBUG_CATEGORY_STATIC(tactile_combiner_debug);
 namespace {
 
 constexpr double kMaxOffset = 360000.0 * GST_SECOND; ///< 100 hours
+
+/// Most maps of the track on one frame: of a still picture that is shown for long.
+constexpr std::size_t kMostMaps = 1000;
 
 struct CombinerSettings
 {
@@ -69,6 +77,19 @@ struct Held
   std::optional<gint64> end; ///< none: until the next map
   TactileMap map;
   bool is_sound = false; ///< kSoundMap
+
+  bool covers(gint64 time) const
+  {
+    return !end || time < *end;
+  }
+};
+
+/// A part of a frame: what the track has from `begin` on.
+struct Part
+{
+  gint64 begin = 0;
+  TactileMap map;
+  bool is_sound = false;
 };
 
 } // namespace
@@ -81,6 +102,8 @@ struct GstTactileCombinerPrivate
   guint rows = 0; ///< of the track
   guint columns = 0;
   std::optional<Held> held;
+  std::vector<Part> parts; ///< of the next frame, as far as they are known
+  GstClockTime frame_duration = GST_CLOCK_TIME_NONE; ///< by the frame rate
   fusion::Fusion fusion;
   bool track_ended = false;
   bool track_is_ahead = false; ///< its next stream began, the film's has not yet
@@ -130,6 +153,22 @@ time_of(GstAggregatorPad *pad, GstClockTime pts)
   return time ? std::optional<gint64>(time->count()) : std::nullopt;
 }
 
+/* Running time of the end of a buffer that begins at `begin`; none without a duration. */
+static std::optional<gint64>
+end_of(GstAggregatorPad *pad, GstBuffer *buffer, GstClockTime duration, gint64 begin)
+{
+  GST_OBJECT_LOCK(pad);
+  const GstSegment segment = pad->segment;
+  GST_OBJECT_UNLOCK(pad);
+  if (!GST_CLOCK_TIME_IS_VALID(duration))
+    return std::nullopt;
+  if (segment.rate < 0)
+    return begin + static_cast<gint64>(duration);
+  const std::optional<fusion::Time> end = running_time::of(
+      segment, std::min<GstClockTime>(GST_BUFFER_PTS(buffer) + duration, segment.stop));
+  return end ? std::max(end->count(), begin) : begin;
+}
+
 /* The map in a buffer; silent for a GAP. FALSE if it is not a map. */
 static gboolean
 read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
@@ -160,6 +199,17 @@ is_lost(GstBuffer *gap)
   return gst_buffer_get_custom_meta(gap, "GstAggregatorMissingDataMeta") != nullptr;
 }
 
+/* The track at a time to which it was advanced; silence where it has nothing. */
+static Part
+part_at(GstTactileCombiner *self, gint64 time)
+{
+  const GstTactileCombinerPrivate *priv = self->priv;
+  if (priv->held && priv->held->covers(time))
+    return { .begin = time, .map = priv->held->map, .is_sound = priv->held->is_sound };
+  return { .begin = time,
+           .map = TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns)) };
+}
+
 /* Advances the track to `time`. NEED_DATA if that is not known yet. */
 static GstFlowReturn
 advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
@@ -172,7 +222,7 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
   for (;;) {
     GstBuffer *head = gst_aggregator_pad_peek_buffer(pad);
     if (head == nullptr) {
-      const bool covers = priv->held && priv->held->end && *priv->held->end > time;
+      const bool covers = priv->held && priv->held->end && priv->held->covers(time);
       return covers || gst_aggregator_pad_is_eos(pad) ? GST_FLOW_OK : GST_AGGREGATOR_FLOW_NEED_DATA;
     }
     const std::optional<gint64> running = time_of(pad, GST_BUFFER_PTS(head));
@@ -182,8 +232,9 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     }
     // Lost on the way: the map before it holds.
     if (running && is_lost(head)) {
-      if (priv->held && priv->held->end && GST_BUFFER_DURATION_IS_VALID(head))
-        priv->held->end = *running + offset + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running);
+      if (priv->held && priv->held->end && end)
+        priv->held->end = *end + offset;
       gst_buffer_unref(head);
       gst_aggregator_pad_drop_buffer(pad);
       continue;
@@ -193,8 +244,8 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     if (is_map && running) {
       next.begin = *running + offset;
       next.is_sound = GST_BUFFER_FLAG_IS_SET(head, kSoundMap);
-      if (GST_BUFFER_DURATION_IS_VALID(head))
-        next.end = next.begin + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      if (const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running))
+        next.end = *end + offset;
       priv->held = next;
     }
     gst_buffer_unref(head);
@@ -202,6 +253,46 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     if (!is_map)
       return GST_FLOW_ERROR;
   }
+}
+
+/* The next time after `time` at which the track may change. */
+static gint64
+next_change(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
+{
+  GST_OBJECT_LOCK(self);
+  const gint64 offset = self->priv->settings.offset;
+  GST_OBJECT_UNLOCK(self);
+  gint64 next = std::numeric_limits<gint64>::max();
+  const auto offer = [&](gint64 change) {
+    if (change > time)
+      next = std::min(next, change);
+  };
+  if (const std::optional<Held> &held = self->priv->held) {
+    offer(held->begin);
+    offer(held->end.value_or(time));
+  }
+  if (g_autoptr(GstBuffer) head = gst_aggregator_pad_peek_buffer(pad))
+    offer(time_of(pad, GST_BUFFER_PTS(head)).value_or(time - offset + 1) + offset);
+  return next;
+}
+
+/* Adds the track's parts of a frame that is shown in [begin, end). NEED_DATA if not all are known
+ * yet. */
+static GstFlowReturn
+add_parts(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 begin, gint64 end)
+{
+  GstTactileCombinerPrivate *priv = self->priv;
+  for (std::vector<Part> &parts = priv->parts; parts.size() < kMostMaps;) {
+    const gint64 at = parts.empty() ? begin : next_change(self, pad, parts.back().begin);
+    if (at >= end)
+      break;
+    if (const GstFlowReturn flow = advance(self, pad, at); flow != GST_FLOW_OK)
+      return flow;
+    parts.push_back(part_at(self, at));
+    if (parts.back().is_sound) // fusion/fusion.h
+      break;
+  }
+  return GST_FLOW_OK;
 }
 
 /* ---- frames ---- */
@@ -217,39 +308,51 @@ added_to(const TactileMap &picture, const TactileMap &felt, Mix mix)
   return added;
 }
 
-static void
-put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
+/* The map of a part of a frame, whose own map may be null. */
+static TactileMap
+mixed(GstTactileCombiner *self, const TactileMap *own, const Part &part, gint64 end, Mix mix)
 {
-  GstTactileCombinerPrivate *priv = self->priv;
-  const std::optional<Held> &held = priv->held;
-  GST_OBJECT_LOCK(self);
-  const Mix mix = priv->settings.mix;
-  GST_OBJECT_UNLOCK(self);
+  if (own == nullptr || (mix == Mix::replace && !part.is_sound))
+    return part.map;
+  return self->priv->fusion.mix(fusion::Time(part.begin), fusion::Time(end), *own, part.map, mix);
+}
 
-  const bool covers = held && (!held->end || time < *held->end);
-  TactileMap map(static_cast<int>(std::max(priv->rows, 1u)),
-                 static_cast<int>(std::max(priv->columns, 1u)));
-  if (covers)
-    map = held->map;
-  const GstTactileMeta *own = gst_buffer_get_tactile_meta(frame);
-  if (own != nullptr && (mix != Mix::replace || (covers && held->is_sound))) {
-    TactileMap film(static_cast<int>(own->rows), static_cast<int>(own->columns));
-    std::copy_n(own->levels, film.levels.size(), film.levels.begin());
+static void
+put_maps(GstTactileCombiner *self, GstBuffer *frame, const std::vector<Part> &parts, gint64 end,
+         Mix mix)
+{
+  const Part &first = parts.front();
+  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(frame);
+  const bool has_own = meta != nullptr;
+  TactileMap film;
+  if (has_own) {
+    film = TactileMap(static_cast<int>(meta->rows), static_cast<int>(meta->columns));
+    std::copy_n(meta->levels, film.levels.size(), film.levels.begin());
     film.frequency = gst_buffer_get_tactile_frequency(frame);
-    const gint64 length
-        = GST_BUFFER_DURATION_IS_VALID(frame) ? static_cast<gint64>(GST_BUFFER_DURATION(frame)) : 0;
-    map = priv->fusion.mix(fusion::Time(time), fusion::Time(time + length), film, map, mix);
-    if (covers && held->is_sound)
-      add_sound_meta(frame, added_to(film, map, mix));
-  } else if (covers && held->is_sound) {
-    add_sound_meta(frame, map);
   }
+  const TactileMap *own = has_own ? &film : nullptr;
+  const TactileMap map = mixed(self, own, first, end, mix);
+  if (first.is_sound)
+    add_sound_meta(frame, has_own ? added_to(film, map, mix) : map);
   GstTactileMeta *put = gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows),
                                                     static_cast<guint>(map.columns),
                                                     map.levels.data(), map.levels.size());
   gst_buffer_set_tactile_frequency(frame, map.frequency);
-  if (own == nullptr)
+  if (!has_own)
     gst_tactile_meta_set_video_direction(put, direction_at(GST_PAD(self->videopad)));
+
+  std::vector<LaterMap> later;
+  for (const Part &part : std::span(parts).subspan(1)) {
+    GST_OBJECT_LOCK(self->videopad);
+    const GstClockTime begin
+        = running_time::to_position(self->videopad->segment, fusion::Time(part.begin));
+    GST_OBJECT_UNLOCK(self->videopad);
+    if (GST_CLOCK_TIME_IS_VALID(begin) && begin > GST_BUFFER_PTS(frame))
+      later.push_back(
+          { fusion::Time(static_cast<gint64>(begin - GST_BUFFER_PTS(frame))),
+            tactile::resample(mixed(self, own, part, end, mix), map.rows, map.columns) });
+  }
+  set_later_maps(frame, later);
 }
 
 static GstAggregatorPad *
@@ -319,11 +422,25 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     return gst_aggregator_pad_is_eos(self->videopad) ? end_film(self)
                                                      : GST_AGGREGATOR_FLOW_NEED_DATA;
   const std::optional<gint64> time = time_of(self->videopad, GST_BUFFER_PTS(frame));
+  GST_OBJECT_LOCK(self);
+  const Mix mix = self->priv->settings.mix;
+  GST_OBJECT_UNLOCK(self);
+  const GstClockTime duration = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame)
+                                                                    : self->priv->frame_duration;
+  const gint64 begin = time.value_or(0);
+  const gint64 end = end_of(self->videopad, frame, duration, begin).value_or(begin);
   gst_buffer_unref(frame);
 
   GstAggregatorPad *track = tactile_pad(self);
+  std::vector<Part> &parts = self->priv->parts;
   if (track != nullptr && time) {
-    const GstFlowReturn flow = advance(self, track, *time);
+    GST_OBJECT_LOCK(self->videopad);
+    const bool is_reverse = self->videopad->segment.rate < 0;
+    GST_OBJECT_UNLOCK(self->videopad);
+    /* Other mixes depend on what was before. */
+    const bool splits = !is_reverse && (mix == Mix::replace || mix == Mix::max || mix == Mix::sum);
+    const GstFlowReturn flow
+        = add_parts(self, track, begin, splits ? std::max(end, begin + 1) : begin + 1);
     if (flow != GST_FLOW_OK && !(flow == GST_AGGREGATOR_FLOW_NEED_DATA && timeout)) {
       gst_object_unref(track);
       return flow;
@@ -337,8 +454,11 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   /* A track without any caps has no grid. */
   if (track != nullptr && time && self->priv->rows > 0 && !is_gap(frame)) {
     frame = writable_frame(frame);
-    put_map(self, frame, *time);
+    if (parts.empty()) /* a live film does not wait */
+      parts.push_back(part_at(self, *time));
+    put_maps(self, frame, parts, end, mix);
   }
+  parts.clear();
   gst_clear_object(&track);
   if (GST_BUFFER_PTS_IS_VALID(frame)) {
     GstSegment *segment = &GST_AGGREGATOR_PAD(aggregator->srcpad)->segment;
@@ -425,10 +545,15 @@ gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
     GstCaps *caps = nullptr;
     gst_event_parse_caps(event, &caps);
-    if (is_video)
+    if (is_video) {
+      gint n = 0;
+      gint d = 1;
+      gst_structure_get_fraction(gst_caps_get_structure(caps, 0), "framerate", &n, &d);
+      self->priv->frame_duration
+          = n > 0 ? gst_util_uint64_scale_int(GST_SECOND, d, n) : GST_CLOCK_TIME_NONE;
       gst_aggregator_set_src_caps(aggregator, caps);
-    else if (!gst_tactile_map_caps_parse(caps, &self->priv->rows, &self->priv->columns, nullptr,
-                                         nullptr)) {
+    } else if (!gst_tactile_map_caps_parse(caps, &self->priv->rows, &self->priv->columns, nullptr,
+                                           nullptr)) {
       gst_event_unref(event);
       return FALSE;
     }
@@ -490,6 +615,7 @@ gst_tactile_combiner_flush(GstAggregator *aggregator)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
   priv->held.reset();
+  priv->parts.clear();
   priv->fusion.reset();
   priv->track_ended = priv->track_is_ahead = false;
   return GST_FLOW_OK;
@@ -500,6 +626,7 @@ gst_tactile_combiner_stop(GstAggregator *aggregator)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
   priv->held.reset();
+  priv->parts.clear();
   priv->fusion.reset();
   priv->rows = priv->columns = 0;
   priv->track_ended = priv->track_is_ahead = false;

@@ -6,8 +6,8 @@
  *
  * tactileextractor passes video through and sends the #GstTactileMeta of each frame as a buffer of
  * `application/x-tactile-map` on its `tactile` pad, with the time stamp and duration of the frame.
- * The buffer does not reference the frame: a queue in the tactile branch needs a few bytes for
- * each frame.
+ * Maps of a track that begin within the frame follow at their own times. The buffer does not
+ * reference the frame: a queue in the tactile branch needs a few bytes for each frame.
  *
  * A frame without a map is a GAP on the `tactile` pad. The first one is reported by an INFO
  * message, as elements that move the picture, such as `videoflip`, drop the map. Before the first
@@ -29,6 +29,7 @@
  */
 #include "gsttactileextractor.h"
 
+#include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 #include "gsttactileelements.h"
 #include "splitpads.h"
@@ -36,6 +37,7 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
+#include <algorithm>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_extractor_debug);
@@ -85,16 +87,30 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
     return GST_CLOCK_TIME_IS_VALID(pts) ? self->pads->push_gap(pts, duration)
                                         : self->pads->maps_flow();
 
+  const GstClockTime end = GST_CLOCK_TIME_IS_VALID(duration) ? pts + duration : pts;
+  GstBufferList *later = GST_CLOCK_TIME_IS_VALID(pts) ? later_maps(frame) : nullptr;
+  const guint n_later = later ? gst_buffer_list_length(later) : 0;
+  const auto begin_of = [&](guint i) {
+    return i < n_later ? pts + GST_BUFFER_PTS(gst_buffer_list_get(later, i)) : end;
+  };
+
   gsize n_levels = 0;
   const gfloat *levels = gst_tactile_meta_get_levels(meta, &n_levels);
   GstBuffer *map = gst_tactile_map_buffer_new(levels, n_levels);
   gst_buffer_set_tactile_frequency(map, gst_buffer_get_tactile_frequency(frame));
   GST_BUFFER_PTS(map) = pts;
-  GST_BUFFER_DURATION(map) = duration;
+  GST_BUFFER_DURATION(map) = n_later > 0 ? begin_of(0) - pts : duration;
   if (has_sound_meta(frame))
     GST_BUFFER_FLAG_SET(map, kSoundMap);
   self->pads->announce(meta->rows, meta->columns);
-  return self->pads->push_map(map);
+  GstFlowReturn flow = self->pads->push_map(map);
+  for (guint i = 0; i < n_later && flow == GST_FLOW_OK; i++) {
+    map = gst_buffer_copy(gst_buffer_list_get(later, i));
+    GST_BUFFER_PTS(map) = begin_of(i);
+    GST_BUFFER_DURATION(map) = std::max(begin_of(i + 1), begin_of(i)) - begin_of(i);
+    flow = self->pads->push_map(map);
+  }
+  return flow;
 }
 
 static GstFlowReturn

@@ -8,7 +8,8 @@
  * subtitles:
  *
  * - A tactile track, in text cues of [tactileconverter](tactileconverter.md): each frame gets the
- *   map at its time as a #GstTactileMeta, or a silent one. The element draws remarks, which are
+ *   map at its time as a #GstTactileMeta, or a silent one, and the chair those that begin or end
+ *   within the frame, at their own times. The element draws remarks, which are
  *   cues of words that do not begin with a digit. It drops any other cue that is not a map, with a
  *   warning; tactile-track refuses such files.
  * - Text: the child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
@@ -41,9 +42,11 @@
 #include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
 #include "gst/cues/film_start.h"
+#include "gst/fusion/later_maps.h"
 #include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
+#include "tactile/mix.h"
 #include "tracks/text_cue.h"
 #include "tracks/track.h"
 
@@ -55,6 +58,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 using tactile::TactileMap;
 
@@ -69,6 +73,12 @@ constexpr std::size_t kMaxLevels = 16'000'000;
 
 /// Duration of a cue without one, as in tactileconverter.
 constexpr GstClockTime kDefaultDuration = GST_SECOND;
+
+/// The time of a frame that is before all cues.
+constexpr tactile::Time kBeforeAll = tactile::Time::min();
+
+/// Most maps on one frame: of a still picture that is shown for long.
+constexpr std::size_t kMostMaps = 1000;
 
 /// A map and its running time.
 struct Cue
@@ -336,6 +346,38 @@ map_at(GstTactileSubtitles *self, tactile::Time time)
   return map;
 }
 
+/// The maps that follow within a frame of this grid; times in the track's running time. After
+/// map_at(begin).
+static std::vector<LaterMap>
+maps_within(GstTactileSubtitles *self, tactile::Time begin, tactile::Time end, double rate,
+            const TactileMap &first)
+{
+  const std::deque<Cue> &cues = self->priv->cues;
+  std::vector<LaterMap> maps;
+  GST_OBJECT_LOCK(self);
+  for (tactile::Time at = begin; maps.size() < kMostMaps;) {
+    tactile::Time next = end;
+    for (const Cue &cue : cues) {
+      if (cue.begin >= next)
+        break;
+      if (cue.begin > at)
+        next = cue.begin;
+      else if (cue.end > at)
+        next = std::min(next, cue.end);
+    }
+    if (next >= end)
+      break;
+    at = next;
+    const Cue *cue = cue_at(cues, at);
+    const auto after = static_cast<double>((at - begin).count()) * rate;
+    maps.push_back({ tactile::Time(static_cast<gint64>(after)),
+                     cue ? tactile::resample(cue->map, first.rows, first.columns)
+                         : TactileMap(first.rows, first.columns) });
+  }
+  GST_OBJECT_UNLOCK(self);
+  return maps;
+}
+
 /// Reads the film's 0:00 from its events.
 static GstPadProbeReturn
 on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
@@ -363,7 +405,6 @@ on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 static tactile::Time
 cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
 {
-  constexpr tactile::Time kBeforeAll = tactile::Time::min();
   GST_OBJECT_LOCK(self);
   const auto start = static_cast<GstClockTime>(self->priv->start.stream_time().count());
   const std::string source = self->priv->film;
@@ -386,7 +427,8 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   const GstClockTime pts = GST_BUFFER_PTS(frame);
   if (!running_time::of(segment, pts))
     return GST_PAD_PROBE_OK;
-  const std::optional<TactileMap> map = map_at(self, cue_time(self, segment, pts));
+  const tactile::Time begin = cue_time(self, segment, pts);
+  const std::optional<TactileMap> map = map_at(self, begin);
   if (!map)
     return GST_PAD_PROBE_OK;
   frame = writable_frame(frame);
@@ -396,6 +438,11 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
                                                     map->levels.data(), map->levels.size());
   gst_tactile_meta_set_video_direction(put, direction_at(pad));
   gst_buffer_set_tactile_frequency(frame, map->frequency);
+  const tactile::Time end
+      = GST_BUFFER_DURATION_IS_VALID(frame) && segment.rate > 0 ? cue_time(
+            self, segment, std::min<GstClockTime>(pts + GST_BUFFER_DURATION(frame), segment.stop))
+                                                                : begin;
+  set_later_maps(frame, maps_within(self, begin, end, segment.rate, *map));
   return GST_PAD_PROBE_OK;
 }
 

@@ -9,7 +9,6 @@
 #include <cassert>
 #include <cstddef>
 #include <span>
-#include <thread>
 #include <utility>
 
 namespace saliency {
@@ -83,17 +82,6 @@ make_rows(ImageRows<Fixed> &band, int begin, int end, FixedLabImage &image)
   }
 }
 
-/// Measured: below a million pixels per thread, waking threads takes longer than they save.
-int
-threads_that_pay(const FrameView &frame)
-{
-  constexpr long long kPixels = 1'000'000;
-  constexpr long long kMost = 4;
-  const auto processors = static_cast<long long>(std::thread::hardware_concurrency());
-  const long long pixels = static_cast<long long>(frame.width) * frame.height;
-  return static_cast<int>(std::clamp(std::min(pixels / kPixels, processors), 1LL, kMost));
-}
-
 /// How many samples level `n` has.
 long long
 samples(cv::Size frame, int n)
@@ -145,7 +133,7 @@ fault_of(const FrameView &frame)
 void
 FrontEnd::set_threads(int threads)
 {
-  threads = std::max(threads, 0);
+  threads = std::max(threads, 1);
   if (std::exchange(threads_, threads) != threads)
     geometry_ = {};
 }
@@ -157,8 +145,7 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   bands_.clear();
   for (auto &plane : lab_.planes)
     plane.create(level_size({ frame.width, frame.height }, geometry.level), CV_16UC1);
-  const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
-  for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
+  for (int i = 0; i < std::min(threads_, lab_.size().height); ++i) {
     std::unique_ptr<ImageRows<Fixed>> band = std::make_unique<LabRows>(frame, geometry.converted);
     for (int n = geometry.converted; n < geometry.level; ++n)
       band = halved_rows(std::move(band));

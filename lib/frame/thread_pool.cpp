@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame/thread_pool.h"
 
-#include <chrono>
-#include <thread>
 #include <utility>
 
 namespace saliency {
@@ -56,17 +54,6 @@ ThreadPool::keep_off_callers_processor()
 #endif
 }
 
-/// Spins until `until()` or for about as long as a wake-up may take.
-template <typename Until>
-void
-ThreadPool::spin(const Until &until)
-{
-  constexpr std::chrono::microseconds kWakingUp{ 50 };
-  const auto sleep = std::chrono::steady_clock::now() + kWakingUp;
-  while (!until() && std::chrono::steady_clock::now() < sleep)
-    std::this_thread::yield();
-}
-
 void
 ThreadPool::run(int parts, Part part, const void *work)
 {
@@ -80,19 +67,10 @@ ThreadPool::run(int parts, Part part, const void *work)
   next_ = 0;
   parts_ = parts;
   undone_ = parts;
-  ++works_;
   if (parts > 1)
     work_to_do_.notify_all();
   do_parts(lock);
-  const auto done = [this] {
-    return undone_ == 0;
-  };
-  if (!done()) {
-    lock.unlock();
-    spin(done);
-    lock.lock();
-    all_done_.wait(lock, done);
-  }
+  all_done_.wait(lock, [this] { return undone_ == 0; });
   if (error_)
     std::rethrow_exception(std::exchange(error_, nullptr));
 }
@@ -102,13 +80,8 @@ ThreadPool::wait_for_work()
 {
   std::unique_lock lock(mutex_);
   while (!end_) {
+    work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
     do_parts(lock);
-    const unsigned known = works_;
-    lock.unlock();
-    spin([this, known] { return end_ || works_ != known; });
-    lock.lock();
-    if (works_ == known)
-      work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
   }
 }
 

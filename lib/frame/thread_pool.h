@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -18,9 +17,6 @@ namespace saliency {
 /// A pool of threads that run the parts of one piece of work. Threads start when work first has
 /// that many parts and end with the pool; later calls allocate nothing. Not thread-safe: one
 /// caller.
-///
-/// An idle thread spins for a while, yielding, before it sleeps: more work often follows at once,
-/// and waking up takes longer than the smallest part.
 ///
 /// On Linux the threads run on the caller's CPUs except the one it is running on. The kernel of a
 /// virtual machine often wakes a thread on the caller's CPU rather than on a halted one, and then
@@ -50,7 +46,6 @@ private:
   void keep_off_callers_processor();
   void wait_for_work();
   void do_parts(std::unique_lock<std::mutex> &lock);
-  template <typename Until> static void spin(const Until &until);
 
   /// Not std::thread, which throws when the system has no more threads.
   std::vector<pthread_t> threads_; ///< used by the caller only, like processors_
@@ -64,10 +59,9 @@ private:
   const void *work_ = nullptr;
   int next_ = 0;  ///< first part not taken yet
   int parts_ = 0; ///< of the current work
+  int undone_ = 0;
+  bool end_ = false;
   std::exception_ptr error_;
-  std::atomic<int> undone_ = 0;     ///< this and the rest are also read without the mutex
-  std::atomic<unsigned> works_ = 0; ///< number of runs so far
-  std::atomic<bool> end_ = false;
 };
 
 /// A number of threads of a pool, or the caller alone.

@@ -289,14 +289,15 @@ Library::on_server(const std::string &film, const std::optional<tactile::Time> &
     return std::nullopt;
   g_autofree gchar *escaped = g_uri_escape_string(entry->file.c_str(), "/", FALSE);
   const std::string address = where_ + escaped;
-  const auto body = fetch(address, kMostTrack, stop);
+  auto body = fetch(address, kMostTrack, stop);
   if (!body) {
     complaints.library = body.error();
     return std::nullopt;
   }
-  const auto track = tactile::track_format(entry->file).and_then([&](tactile::TrackFormat format) {
-    return tactile::read_track(*body, format);
-  });
+  const auto track
+      = tactile::track_text(*std::move(body), entry->file).and_then([](const auto &file) {
+          return tactile::read_track(file.text, file.format);
+        });
   if (!track) {
     complaints.library = "'" + address + "': " + track.error().text();
     return std::nullopt;

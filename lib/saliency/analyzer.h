@@ -89,7 +89,7 @@ public:
   /// after start, seek or cut.
   void reset();
 
-  /// Sets the maximum number of threads per frame; initially 1. With 0 or less, FrontEnd chooses.
+  /// Sets the maximum number of threads per frame; initially 1. With 0 or less, it is 1.
   /// The result is the same for any number, and the history is kept.
   void set_threads(int threads);
 

@@ -166,6 +166,17 @@ contenders(cv::Size size)
   return all;
 }
 
+std::vector<Contender>
+own_contenders(cv::Size size)
+{
+  const auto tuned = saliency::Profile::tuned();
+  const auto mapping = tactile::MappingSettings::tuned();
+  return { ours("tuned", tuned, mapping, std::make_shared<FrameLoop>(size, Scene::disc),
+                Format::i420, 1),
+           ours("tuned, camera moving", tuned, mapping,
+                std::make_shared<FrameLoop>(size, Scene::pan), Format::i420, 1) };
+}
+
 std::vector<int>
 thread_counts()
 {

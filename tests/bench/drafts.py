@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Drafts that visuotactile-follow makes while a real mpv plays a film without a track, without picture and sound: how long after each event what
-plays is known, and so felt, and which share of a core it takes. Prints a table.
+plays is known, and so felt, and which share of a core it takes. Then how often it wakes the processor where nothing plays. Prints tables.
 
 Expects FOLLOW, the plugins on GST_PLUGIN_PATH, ffmpeg, mpv, dbus-daemon and python3-dbus; takes two minutes.
 Usage: drafts.py CLIP [SECONDS]      a film, ten seconds of which are scaled up to each size; how long each event is watched, 20 by default"""
@@ -88,6 +88,23 @@ def watch(pid, service, event, from_here):
     return f"| {event} | {'never' if known is None else f'{known:.1f} s'} | {mean:.2f} | {max(shares):.2f} |"
 
 
+def switches(pid):
+    """How often its threads have waited."""
+    return sum(int(line.split()[1]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for line in open(task / "status", encoding="utf-8") if line.startswith("voluntary_"))
+
+
+def wake_ups(bus, event, *words):
+    """A second, from five seconds after the start on."""
+    follower = start(FOLLOW, *words, "--driver=simulator", "--quiet", "--no-drafts")
+    wait_until("the follower", lambda: bus.name_has_owner(NAME))
+    time.sleep(5)
+    before = switches(follower.pid)
+    time.sleep(WATCHED)
+    print(f"| {event} | {(switches(follower.pid) - before) / WATCHED:.1f} |", flush=True)
+    follower.terminate()
+    follower.wait()
+
+
 def measure(width, height, bus):
     film = make_film(width, height)
     mpv = Mpv(film)
@@ -114,6 +131,11 @@ try:
     session = dbus.SessionBus(private=True)
     for size in SIZES:
         measure(*size, session)
+    print("\nWaits of all threads, which each end with a wake-up:\n\n| nothing plays | wake-ups a second |\n|---|---|", flush=True)
+    wake_ups(session, "no player is there")
+    paused = Mpv(work / "1080.mkv")
+    wake_ups(session, "mpv pauses", f"--mpv={paused.path}")
+    paused.end()
 finally:
     for process in started:
         process.kill()

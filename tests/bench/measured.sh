@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, listen, mux, playback, sound, sound-clips, sound-real, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 30, 3, 1, 8, 3, 2, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, catalog, desk, devices, drafts, follow, listen, mux, playback, sound, sound-clips, sound-real, synth, timing, ways-out; FILM: default three of ../shared/data/clips (catalog, timing)
+# Expects a computer on which nothing else runs. Takes 5, 15, 2, 5, 3, 24, 30, 3, 1, 8, 3, 2, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | desk | devices | drafts | follow | listen | mux | playback | sound | sound-clips | sound-real | synth | timing | ways-out) page=$1 ;;
+  calibration | catalog | desk | devices | drafts | follow | listen | mux | playback | sound | sound-clips | sound-real | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
 shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
+  catalog) targets=tools/tactile-track ;;
   desk) targets="tools/tactile-track-desk tools/tactile-track" ;;
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
@@ -93,6 +94,50 @@ include only commands whose maps arrived in time.
 
 CAPTION
   "$here/busy.sh"
+}
+
+# The cost of tracks of many films, and of a film in parts.
+catalog() { # FILM ...
+  local film name seconds cpu track="$built/tools/tactile-track" parts
+  cat <<'CAPTION'
+## Cost
+
+`tactile-track author --jobs=1`: CPU time with decoding, and the track's size. The last columns are 10,000 films of
+two hours of that kind.
+
+| film | × real time a core | KB an hour | 10,000 films: core hours | tracks |
+|---|---|---|---|---|
+CAPTION
+  ffmpeg -v error -i "$1" -vf scale=1920:1080 -c:v libx264 -preset veryfast -an "$work/1080p.mp4"
+  for film in "$@" "$work/1080p.mp4"; do
+    name=$(basename "$film")
+    seconds=$(ffprobe -v error -show_entries format=duration -of csv=p=0 "$film")
+    cpu=$( { TIMEFORMAT='%U %S'; time "$track" author --quiet --jobs=1 "$film" -o "$work/$name.vtt" >&2; } 2>&1 | tail -n 1)
+    awk -v name="$name, $(ffprobe -v error -select_streams v:0 -show_entries stream=width,height -of csv=p=0:s=x "$film")" -v film="$seconds" -v cpu="$cpu" -v bytes="$(stat -c %s "$work/$name.vtt")" \
+      'BEGIN { split(cpu, used, " "); speed = film / (used[1] + used[2]); hour = bytes / film * 3.6
+        printf "| %s | %.1f | %.0f | %.0f | %.1f GB |\n", name, speed, hour, 20000 / speed, hour * 20000 / 1e6 }'
+  done
+  cat <<'CAPTION'
+
+## Parts of a film
+
+All these films one after the other, three times, in one piece and in parts that are analyzed at the same time. Levels
+are compared every 10 ms.
+
+| parts | seconds elapsed | other levels | mean difference there | most | felt in only one |
+|---|---|---|---|---|---|
+CAPTION
+  for film in "$@"; do
+    ffmpeg -v error -i "$film" -vf 'scale=640:360,fps=24,setsar=1' -c:v libx264 -preset ultrafast -g 48 -an "$work/piece-$(basename "$film").mp4"
+    echo "file '$work/piece-$(basename "$film").mp4'" >>"$work/pieces"
+  done
+  cat "$work/pieces" "$work/pieces" "$work/pieces" >"$work/list"
+  ffmpeg -v error -f concat -safe 0 -i "$work/list" -c copy "$work/long.mp4"
+  for parts in 1 2 4; do
+    seconds=$( { TIMEFORMAT=%R; time "$track" author --quiet --parts="$parts" "$work/long.mp4" -o "$work/$parts.csv" >&2; } 2>&1 | tail -n 1)
+    printf '| %s | %.0f | ' "$parts" "$seconds"
+    /usr/bin/python3 "$here/track_difference.py" "$work/1.csv" "$work/$parts.csv"
+  done
 }
 
 # Single steps, and what calibrations make of them.
@@ -347,7 +392,13 @@ CAPTION
       head_of "CPU time of playing a film"
       printf 'The table has the user and system time of all threads that decode an H.264 film, with and without
 saliencytactile.\n\n'
-      "$here/playback.sh"
+      clip=$root/../shared/data/clips/sintel-trailer.mp4
+      if [ -f "$clip" ]; then
+        "$here/playback.sh" "$clip"
+        printf '\nThe clip is © Blender Foundation, www.sintel.org, CC BY 3.0.\n'
+      else
+        "$here/playback.sh"
+      fi
       ;;
     sound)
       head_of "Sound"
@@ -493,6 +544,11 @@ receives its first samples later, for example after an audioconvert, plays earli
 
 CAPTION
       "$here/../tools/synth_pulse.py"
+      ;;
+    catalog)
+      head_of "Tracks of many films"
+      [ $# -gt 0 ] || set -- "$root"/../shared/data/clips/{big-buck-bunny-5.1,sintel-trailer,unseen/moon,unseen/skyforce,unseen/sintel-film-26s-848x480}.mp4
+      catalog "$@"
       ;;
     timing)
       head_of "Timing"

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # What saliencytactile adds to playing an H.264 film: CPU (user and system) per frame of decoding alone and with the analysis, at 1080p and 4K.
-# Starting a pipeline and loading its plugins is taken off. Medians of runs that take turns, as Markdown.
+# Starting a pipeline and loading its plugins is taken off. Then a clip is played in real time at 1080p: CPU and wake-ups, also with the
+# detection of faces. Medians of runs that take turns, as Markdown.
 #
-# Usage: playback.sh [--quick]      (with the plugins on GST_PLUGIN_PATH; --quick: 1080p alone, fewer runs)
+# Usage: playback.sh [--quick] [CLIP]      (with the plugins on GST_PLUGIN_PATH; --quick: 1080p alone, fewer runs)
 set -euo pipefail
 
 runs=5
 films=(1920x1080:200:8000 3840x2160:48:30000) # size:frames:kbit/s
-[ "${1:-}" != --quick ] || { runs=3; films=("${films[0]}"); }
+[ "${1:-}" != --quick ] || { runs=3; films=("${films[0]}"); shift; }
+clip=${1:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -42,4 +44,35 @@ for film in "${films[@]}"; do
     a = (a - a0) / n; w = (w - w0) / n
     printf "| %s | %d | %.2f | %.2f | %.2f | %.0f %% |\n", film, n, a, w, w - a, 100 * (w - a) / a
   }'
+done
+
+[ -n "$clip" ] || exit 0
+cat <<'CAPTION'
+
+The same clip in real time, on one decoding thread. Wake-ups are the voluntary context switches of all threads.
+
+| played | CPU, ms a frame | added | wake-ups a second | added |
+|---|---|---|---|---|
+CAPTION
+seconds=20
+ffmpeg -v error -nostdin -t "$seconds" -i "$clip" -vf scale=1920:1080,fps=24,setsar=1 -an -c:v libx264 -preset veryfast "$work/clip.mkv"
+play() { # FILE ELEMENT: adds a line of ms a frame and wake-ups a second
+  # shellcheck disable=SC2086 # an element or none
+  /usr/bin/python3 - "$seconds" gst-launch-1.0 -q filesrc location="$work/clip.mkv" ! matroskademux ! h264parse ! avdec_h264 max-threads=1 ! $2 fakesink sync=true >>"$1" <<'END'
+import resource, subprocess, sys
+subprocess.run(sys.argv[2:], check=True)
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(1000 * (used.ru_utime + used.ru_stime) / (24 * int(sys.argv[1])), used.ru_nvcsw / int(sys.argv[1]))
+END
+}
+for ((run = 0; run < runs; run++)); do
+  play "$work/alone" ""
+  play "$work/analyzed" "saliencytactile !"
+  play "$work/people" "saliencytactile people=fast !"
+done
+of() { cut -d ' ' -f "$2" "$work/$1" >"$work/column"; median "$work/column"; }
+for row in "alone:the film" "analyzed:with saliencytactile" "people:with saliencytactile people=fast"; do
+  name=${row%%:*}
+  awk -v what="${row#*:}" -v a="$(of alone 1)" -v b="$(of alone 2)" -v c="$(of "$name" 1)" -v d="$(of "$name" 2)" \
+    'BEGIN { printf "| %s | %.2f | %.2f | %.0f | %.0f %% |\n", what, c, c - a, d, 100 * (d - b) / b }'
 done

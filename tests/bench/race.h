@@ -57,6 +57,9 @@ inline constexpr const char *kTwoFrames = "tuned, two frames over and over";
 /// They own their film.
 std::vector<Contender> contenders(cv::Size size);
 
+/// The tuned profile, on one thread: an object moves, and the camera does.
+std::vector<Contender> own_contenders(cv::Size size);
+
 /// Thread counts to compare.
 std::vector<int> thread_counts();
 

@@ -492,6 +492,40 @@ def test_draft_is_kept():
         kept.write_text("WEBVTT\n\nno cue\n")
 
 
+def test_strip_is_kept():
+    """For the user alone, and used the next time; one that is damaged, or of another film, is made again."""
+    fresh()
+    env = {"XDG_CACHE_HOME": str(work / "strips")}
+    folder = work / "strips/visuotactile/strips"
+
+    def all_of(desk):
+        page = Page(desk, "one", writes=False)
+        wait_until("the strip", lambda: page.last("progress")["strip"] == 1)
+        return [desk.get(f"thumbnail?index={i}").body for i in range(desk.get("thumbnails").json["count"])], desk.get("sound").body, desk.get("cuts").json
+
+    with Desk(film, env=env) as desk:
+        first = all_of(desk)
+    kept, = folder.iterdir()
+    assert (kept.stat().st_mode & 0o777, folder.stat().st_mode & 0o777) == (0o600, 0o700), kept.stat()
+    whole = kept.read_bytes()
+    marked = b"\xff\xd8" + b"m" * (len(first[0][7]) - 2)
+    kept.write_bytes(whole.replace(first[0][7], marked))
+    with Desk(film, env=env) as desk:
+        again = all_of(desk)
+    assert again[0][7] == marked and (again[0][:7], *again[1:]) == (first[0][:7], *first[1:])
+    for damaged in (b"", whole[:1000], whole[1:], b"x" * len(whole)):
+        kept.write_bytes(damaged)
+        with Desk(film, env=env) as desk:
+            assert all_of(desk) == first, damaged[:8]
+        assert kept.read_bytes() == whole
+    other = work / "other.webm"
+    other.write_bytes(film.read_bytes() + b"\xec\x81\x00")  # an empty element of EBML: another file with the same pictures
+    shutil.copy(track, work / "other.vtt")
+    with Desk(other, env=env) as desk:
+        assert all_of(desk) == first
+    assert len(list(folder.iterdir())) == 2
+
+
 def test_start():
     fresh()
     track.unlink()
@@ -524,6 +558,7 @@ def main():
     (page / "index.html").write_text("<!DOCTYPE html><title>x</title>")
     (page / "export-template.html").write_text('<script type="application/json">@DATA@</script>')
     os.environ["VISUOTACTILE_DESK_PAGE"] = str(page)
+    os.environ["XDG_CACHE_HOME"] = str(work / "usual cache")
     make_film(film)
     try:
         for name, test in list(globals().items()):

@@ -30,6 +30,7 @@ made_with(const AnalysisSettings &settings)
 {
   return tactile::write_grid({ settings.rows, settings.columns }, settings.rate) + " profile="
          + settings.profile + " sound=" + (settings.sound != nullptr ? settings.sound->name : "off")
+         + (settings.parts > 1 ? " parts=" + std::to_string(settings.parts) : "")
          + " version=" PACKAGE_VERSION "-" + kAnalysis;
 }
 

@@ -21,6 +21,7 @@ struct AnalysisSettings
   int columns = 3;
   std::string profile = "tuned";
   const fusion::Profile *sound = nullptr; ///< of the film's sound; null: none is felt
+  int parts = 1;                          ///< that are analyzed by themselves
 };
 
 /// All that a track depends on but its film, in words: "grid=3x3 rate=5 profile=tuned sound=off

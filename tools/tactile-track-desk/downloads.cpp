@@ -63,7 +63,8 @@ Routes::thumbnails(SoupServerMessage *message, std::string_view)
   answer_json(message, "{\"interval\": " + std::to_string(strip_.interval())
                            + ", \"width\": " + std::to_string(strip_.width())
                            + ", \"height\": " + std::to_string(strip_.height())
-                           + ", \"count\": " + std::to_string(strip_.count())
+                           + ", \"count\": " + std::to_string(strip_.shown())
+                           + ", \"final\": " + std::to_string(strip_.count())
                            + ", \"total\": " + std::to_string(strip_.total()) + "}");
 }
 

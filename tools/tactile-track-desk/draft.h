@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "../visuotactile-follow/draft_cache.h"
-
+#include "film/draft_cache.h"
 #include "film/film.h"
 #include "tracks/track.h"
 

@@ -58,8 +58,8 @@ const Routes::Route Routes::kRoutes[] = {
 Routes::Routes(DeskSettings settings, desk::Session &session, DraftSettings draft)
     : settings_(std::move(settings)), session_(session),
       events_([this](const std::string &page) { left(page); }),
-      draft_(std::move(draft), [this] { tell_progress(); }), strip_(settings_.found),
-      proxies_(settings_.found),
+      draft_(std::move(draft), [this] { tell_progress(); }),
+      strip_(settings_.found, settings_.film), proxies_(settings_.found),
       feel_(settings_.sink, session_,
             [this] { events_.send(Events::event("chair", chair_json())); }),
       tick_(g_timeout_add(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "strip.h"
 
+#include "files/whole_file.h"
 #include "film/background.h"
 #include "film/frame_times.h"
 #include "film/sound.h"
@@ -16,6 +17,9 @@
 
 namespace {
 
+constexpr const char *kMadeWith = "strip=1";
+constexpr const char *kKept = "(xaayayaxx)"; ///< interval, pictures, peaks, cuts, their end
+constexpr std::size_t kMostKept = std::size_t{ 64 } << 20;
 constexpr int kWidth = 160;                  ///< of a picture, pixels
 constexpr gint64 kLongest = 100 * 3'600'000; ///< ms
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
@@ -30,23 +34,6 @@ time_of(GstSample *sample, visuotactile::Time start)
   return GST_CLOCK_TIME_IS_VALID(time)
              ? (static_cast<gint64>(time) - start.count()) / static_cast<gint64>(GST_MSECOND)
              : -1;
-}
-
-std::string
-jpeg_of(GstSample *sample)
-{
-  g_autoptr(GstCaps) caps = gst_caps_new_empty_simple("image/jpeg");
-  GstSample *jpeg = gst_video_convert_sample(sample, caps, 5 * GST_SECOND, nullptr);
-  std::string bytes;
-  if (jpeg == nullptr)
-    return bytes;
-  GstMapInfo map;
-  if (gst_buffer_map(gst_sample_get_buffer(jpeg), &map, GST_MAP_READ)) {
-    bytes.assign(reinterpret_cast<const char *>(map.data), map.size);
-    gst_buffer_unmap(gst_sample_get_buffer(jpeg), &map);
-  }
-  gst_sample_unref(jpeg);
-  return bytes;
 }
 
 } // namespace
@@ -80,8 +67,9 @@ private:
   saliency::ShotCut is_cut_;
 };
 
-Strip::Strip(const Film &film)
-    : width_(kWidth),
+Strip::Strip(const Film &film, const std::string &path)
+    : path_(path), cache_(FilmCache::usual_folder("strips"), ".strip"),
+      version_(library::file_version(path)), width_(kWidth),
       height_(film.width > 0
                   ? std::clamp((film.height * kWidth / film.width + 1) / 2 * 2, 2, 4 * kWidth)
                   : kWidth),
@@ -95,11 +83,30 @@ Strip::Strip(const Film &film)
   interval_ = duration_ > 0 ? std::max(kLeast, (duration_ + static_cast<gint64>(kMostPictures) - 1)
                                                    / static_cast<gint64>(kMostPictures))
                             : kUnknown;
-  std::string line = film_source(film) + " film. ! " + kQueue
-                     + " ! videoconvert ! videoscale add-borders=false ! "
-                       "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width="
-                     + std::to_string(width_) + ",height=" + std::to_string(height_)
-                     + " ! appsink name=eye sync=false max-buffers=4";
+  constexpr gint64 kAtOnce = 10 * 60'000; // ms: shorter films are soon decoded
+  constexpr std::size_t kGlances = 100;
+  if (load())
+    progress_ = 1;
+  else if (duration_ < kAtOnce)
+    begin(film);
+  else
+    glance_ = std::make_unique<Glance>(
+        film, width_, height_, static_cast<gint64>((total() + kGlances - 1) / kGlances) * interval_,
+        Glance::Events{ .taken =
+                            [this](gint64 ms, std::string jpeg) {
+                              const std::lock_guard lock(mutex_);
+                              glances_[static_cast<std::size_t>(ms / interval_)] = std::move(jpeg);
+                            },
+                        .done =
+                            [this, film] {
+                              begin(film);
+                            } });
+}
+
+void
+Strip::begin(const Film &film)
+{
+  std::string line = small_frames(film, width_, height_);
   if (film.has_sound)
     line += heard_sound(kQueue, nullptr)
             + "audio/x-raw,format=S16LE,layout=interleaved ! appsink name=ear sync=false "
@@ -162,7 +169,67 @@ Strip::on_message(GstMessage *message)
   pipeline_.reset();
   const std::lock_guard lock(mutex_);
   progress_ = failed ? -1 : 1;
+  if (!failed)
+    keep();
   return G_SOURCE_REMOVE;
+}
+
+bool
+Strip::load()
+{
+  const std::string file = cache_.find(path_, kMadeWith);
+  const auto bytes = files::read_whole(file, kMostKept);
+  if (file.empty() || !bytes)
+    return false;
+  g_autoptr(GBytes) data = g_bytes_new_static(bytes->data(), bytes->size());
+  g_autoptr(GVariant) kept
+      = g_variant_ref_sink(g_variant_new_from_bytes(G_VARIANT_TYPE(kKept), data, FALSE));
+  gint64 interval = 0;
+  g_autoptr(GVariant) pictures = nullptr;
+  g_autoptr(GVariant) peaks = nullptr;
+  g_autoptr(GVariant) cuts = nullptr;
+  g_variant_get(kept, "(x@aay@ay@axx)", &interval, &pictures, &peaks, &cuts, &cuts_.until);
+  const auto bytes_of = [](GVariant *array) {
+    gsize size = 0;
+    const auto *first
+        = static_cast<const char *>(g_variant_get_fixed_array(array, &size, sizeof(char)));
+    return size > 0 ? std::string(first, size) : std::string();
+  };
+  const gsize count = g_variant_n_children(pictures);
+  if (interval != interval_ || count == 0 || count > kMostPictures)
+    return false;
+  for (gsize i = 0; i < count; i++) {
+    g_autoptr(GVariant) picture = g_variant_get_child_value(pictures, i);
+    pictures_.push_back(bytes_of(picture));
+  }
+  peaks_ = bytes_of(peaks);
+  gsize size = 0;
+  const auto *times
+      = static_cast<const gint64 *>(g_variant_get_fixed_array(cuts, &size, sizeof(gint64)));
+  cuts_.times.assign(times, times + size);
+  return true;
+}
+
+void
+Strip::keep() const
+{
+  const auto variant_of = [](const std::string &bytes) {
+    return g_variant_new_fixed_array(G_VARIANT_TYPE_BYTE, bytes.data(), bytes.size(), 1);
+  };
+  GVariantBuilder pictures;
+  g_variant_builder_init(&pictures, G_VARIANT_TYPE("aay"));
+  for (const std::string &picture : pictures_)
+    g_variant_builder_add_value(&pictures, variant_of(picture));
+  g_autoptr(GVariant) all = g_variant_ref_sink(g_variant_new(
+      "(x@aay@ay@axx)", interval_, g_variant_builder_end(&pictures), variant_of(peaks_),
+      g_variant_new_fixed_array(G_VARIANT_TYPE_INT64, cuts_.times.data(), cuts_.times.size(),
+                                sizeof(gint64)),
+      cuts_.until));
+  try {
+    cache_.keep({ static_cast<const char *>(g_variant_get_data(all)), g_variant_get_size(all) },
+                path_, version_, kMadeWith);
+  } catch (const std::exception &) { // the film is decoded again
+  }
 }
 
 void
@@ -234,6 +301,14 @@ Strip::count() const
 }
 
 std::size_t
+Strip::shown() const
+{
+  const std::lock_guard lock(mutex_);
+  return glances_.empty() ? pictures_.size()
+                          : std::max(pictures_.size(), std::min(total(), kMostPictures));
+}
+
+std::size_t
 Strip::total() const
 {
   return static_cast<std::size_t>((duration_ + interval_ - 1) / interval_);
@@ -243,7 +318,10 @@ std::string
 Strip::picture(std::size_t index) const
 {
   const std::lock_guard lock(mutex_);
-  return index < pictures_.size() ? pictures_[index] : std::string();
+  if (index < pictures_.size())
+    return pictures_[index];
+  const auto next = index < total() ? glances_.upper_bound(index) : glances_.begin();
+  return next != glances_.begin() ? std::prev(next)->second : std::string();
 }
 
 std::string

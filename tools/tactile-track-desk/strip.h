@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "glance.h"
+
 #include "film/film.h"
+#include "film/film_cache.h"
 #include "film/pipeline.h"
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 /// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
-/// during one pass over the film, in the background. Any thread.
+/// during one pass over the film, in the background, and are kept for the next time. A long film
+/// first has some of its key frames. Any thread.
 class Strip
 {
 public:
   static constexpr std::size_t kMostPictures = 1000;
   static constexpr gint64 kPeak = 10; ///< ms
 
-  explicit Strip(const Film &film);
+  /// `path`: the film's file.
+  Strip(const Film &film, const std::string &path);
   ~Strip();
   Strip(const Strip &) = delete;
   Strip &operator=(const Strip &) = delete;
@@ -39,6 +46,7 @@ public:
     return interval_;
   }
   std::size_t count() const; ///< pictures so far
+  std::size_t shown() const; ///< pictures with those of key frames nearby
   std::size_t total() const; ///< pictures in the end, if the film's length is known
   std::string picture(std::size_t index) const; ///< JPEG; empty: none yet
   std::string peaks(std::size_t from) const;    ///< a byte each
@@ -52,10 +60,16 @@ public:
 private:
   class Eye; ///< sees cuts
 
+  void begin(const Film &film);
+  bool load();
+  void keep() const;
   void on_frame(GstSample *sample);
   void on_sound(GstSample *sample);
   gboolean on_message(GstMessage *message);
 
+  const std::string path_;
+  const FilmCache cache_;
+  const std::optional<library::FileVersion> version_; ///< of the film
   int width_;
   int height_;
   gint64 interval_;
@@ -64,9 +78,11 @@ private:
   std::unique_ptr<Eye> eye_;
   mutable std::mutex mutex_;
   std::vector<std::string> pictures_;
+  std::map<std::size_t, std::string> glances_; ///< by index
   std::string peaks_;
   Cuts cuts_;
   double progress_ = 0;
   guint watch_ = 0;
   Pipeline pipeline_;
+  std::unique_ptr<Glance> glance_;
 };

@@ -3,20 +3,17 @@
 // author: films in, first drafts of their tracks out, as fast as the machine allows.
 #include "commands.h"
 
-#include "film/analysis.h"
-#include "film/film.h"
+#include "author_part.h"
+
 #include "film/output.h"
-#include "film/pipeline.h"
 #include "film/progress.h"
 #include "film/sound.h"
 #include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
-#include <gst/app/gstappsink.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -32,8 +29,8 @@ using tactile::Track;
 
 namespace {
 
-/// Without a frame for so long, a film has stalled.
-constexpr guint kStalled = 15; // s, or up to twice as long
+/// Grids of parts, whose maps are in memory until the film is whole.
+constexpr int kMostCells = 256;
 
 /// Makes a track of a stream of maps.
 class Recorder
@@ -132,149 +129,111 @@ public:
   {
     const Film film = discover_film(film_);
     finished_ = std::move(finished);
-    duration_ = film.duration;
-    start_ = film.start.stream;
+    duration_ = GST_CLOCK_TIME_IS_VALID(film.duration) ? Time(static_cast<Time::rep>(film.duration))
+                                                       : Time(0);
     recorder_.emplace(settings_);
     began_ = g_get_monotonic_time();
     AnalysisSettings settings = settings_;
     if (!film.has_sound)
       settings.sound = nullptr;
-    pipeline_ = make_analysis(film_source(film), settings);
-    const Owned<GstElement> sink = element(pipeline_, "maps");
-    GstAppSinkCallbacks callbacks{};
-    callbacks.new_sample = [](GstAppSink *maps, gpointer self) {
-      return static_cast<Job *>(self)->on_map(maps);
-    };
-    gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
-    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
-    watch_ = gst_bus_add_watch(
-        bus.get(),
-        +[](GstBus *, GstMessage *message, gpointer self) {
-          return static_cast<Job *>(self)->on_message(message);
-        },
-        this);
-    if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
-      throw std::runtime_error("'" + film_ + "' cannot be played");
-    stall_ = g_timeout_add_seconds(
-        kStalled, +[](gpointer self) { return static_cast<Job *>(self)->look_for_stall(); }, this);
+    const auto parts = static_cast<std::size_t>(
+        std::clamp<Time::rep>(duration_ / kShortestPart, 1, settings.parts));
+    running_ = parts;
+    later_.resize(parts - 1);
+    for (std::size_t i = 0; i < parts; i++)
+      parts_.push_back(std::make_unique<FilmPart>(
+          film, settings,
+          Span{ .begin = start_of(i, parts),
+                .end = i + 1 < parts ? start_of(i + 1, parts) : Time(0) },
+          FilmPart::Events{ .analyzed
+                            = [this, i](FilmMap map) { return analyzed(i, std::move(map)); },
+                            .finished =
+                                [this](const std::string &failure) {
+                                  part_finished(failure);
+                                } }));
   }
 
   void stop()
   {
-    for (guint *source : { &watch_, &stall_ })
-      if (*source != 0)
-        g_source_remove(std::exchange(*source, 0));
-    pipeline_.reset();
+    for (const auto &part : parts_)
+      part->stop();
   }
 
   /// The part of the film that is done, 0 to 1.
   double progress() const
   {
-    return duration_ > 0 && GST_CLOCK_TIME_IS_VALID(duration_) ? std::min(
-               static_cast<double>(position_.load()) / static_cast<double>(duration_), 1.0)
-                                                               : 0;
+    return duration_ > Time(0) ? std::min(
+               static_cast<double>(done().count()) / static_cast<double>(duration_.count()), 1.0)
+                               : 0;
   }
 
   /// Seconds of film that are done, and seconds since the start.
   std::pair<double, double> times() const
   {
-    return { static_cast<double>(position_.load()) / GST_SECOND,
+    return { static_cast<double>(done().count()) / GST_SECOND,
              static_cast<double>(g_get_monotonic_time() - began_) / G_USEC_PER_SEC };
   }
 
 private:
+  /// A shorter part costs more than it saves, as each one is analyzed from a minute before it on.
+  static constexpr Time kShortestPart = std::chrono::minutes(2);
+
   static std::optional<tactile::DraftNote> note_of(const std::string &track)
   {
     const auto file = tactile::read_track_text(track);
     return file ? tactile::draft_note(file->text) : std::nullopt;
   }
 
-  /// On the streaming thread.
-  GstFlowReturn on_map(GstAppSink *maps)
+  Time start_of(std::size_t part, std::size_t parts) const
   {
-    GstSample *sample = gst_app_sink_pull_sample(maps);
-    if (!sample)
-      return GST_FLOW_EOS;
-    frames_++;
-    GstFlowReturn flow = GST_FLOW_OK;
-    if (const std::optional<FilmMap> map = film_map(sample, start_)) {
-      if (const auto added = recorder_->add(*map); !added) {
-        GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", added.error().text().c_str()),
-                          (nullptr));
-        flow = GST_FLOW_ERROR;
-      }
-      if (!first_)
-        first_ = map->begin;
-      advances_ = advances_ || map->begin > *first_;
-      position_ = static_cast<GstClockTime>(map->end.count());
-    }
-    gst_sample_unref(sample);
-    return flow;
+    return duration_ * static_cast<Time::rep>(part) / static_cast<Time::rep>(parts);
   }
 
-  /// GStreamer 1.22 comes to no end of some films, such as short animations.
-  gboolean look_for_stall()
+  Time done() const
   {
-    const std::size_t frames = frames_;
-    if (frames == 0 || std::exchange(seen_, frames) != frames)
-      return G_SOURCE_CONTINUE;
-    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
-    g_autoptr(GError) error = g_error_new(GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
-                                          "nothing comes after %" G_GSIZE_FORMAT
-                                          " frames, nor the film's end; ffmpeg may convert it",
-                                          frames);
-    gst_bus_post(bus.get(), gst_message_new_error(GST_OBJECT(pipeline_.get()), error, nullptr));
-    return G_SOURCE_CONTINUE;
+    Time sum{ 0 };
+    for (const auto &part : parts_)
+      sum += part->done();
+    return sum;
   }
 
-  gboolean on_message(GstMessage *message)
+  /// On the part's streaming thread. Later parts wait for the first.
+  tl::expected<void, tactile::FormatError> analyzed(std::size_t part, FilmMap map)
   {
-    std::string failure;
-    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-      g_autoptr(GError) error = nullptr;
-      gst_message_parse_error(message, &error, nullptr);
-      failure = error->message;
-    } else if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_EOS) {
-      return G_SOURCE_CONTINUE;
-    }
-    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-    if (failure.empty() && frames_ == 0)
-      failure = "no frame can be decoded";
-    else if (failure.empty() && (position_.load() == 0 || (frames_ > 1 && !advances_)))
-      failure = "the times of its " + std::to_string(frames_)
-                + " frames do not advance: expected a film whose container or decoder has them; "
-                  "ffmpeg may convert it";
+    if (part == 0)
+      return recorder_->add(std::move(map));
+    later_[part - 1].push_back(std::move(map));
+    return {};
+  }
+
+  void part_finished(std::string failure)
+  {
+    if (failure.empty() && --running_ > 0)
+      return;
+    stop(); // the others
     if (failure.empty()) {
       try {
+        for (std::vector<FilmMap> &maps : later_)
+          for (FilmMap &map : std::exchange(maps, {}))
+            or_throw(recorder_->add(std::move(map)));
         write_track_file(or_throw(recorder_->finish()), output_, made_with(settings_));
       } catch (const std::exception &error) {
         failure = error.what();
       }
     }
-    watch_ = 0;
-    if (stall_ != 0)
-      g_source_remove(std::exchange(stall_, 0));
     finished_(*this, failure);
-    return G_SOURCE_REMOVE;
   }
 
   std::string film_;
   std::string output_;
   AnalysisSettings settings_;
   std::function<void(Job &, const std::string &)> finished_;
-  GstClockTime duration_ = 0;
-  Time start_{ 0 };  ///< stream time of the film's 0:00
+  Time duration_{ 0 };
   gint64 began_ = 0; ///< µs
   std::optional<Recorder> recorder_;
-  std::atomic<GstClockTime> position_{ 0 };
-  std::atomic<std::size_t> frames_{ 0 };
-  std::size_t seen_ = 0; ///< frames at the last look_for_stall()
-  guint stall_ = 0;
-  // Used by the streaming thread, and by others after it has ended.
-  std::optional<Time> first_;
-  bool advances_ = false;
-  guint watch_ = 0;
-  Pipeline pipeline_;
+  std::vector<std::vector<FilmMap>> later_; ///< of each part but the first
+  std::size_t running_ = 0;                 ///< parts
+  std::vector<std::unique_ptr<FilmPart>> parts_;
 };
 
 /// Several films, some of them at the same time.
@@ -333,6 +292,7 @@ private:
         job.start([this](Job &ended, const std::string &failure) { finished(ended, failure); });
         running_++;
       } catch (const std::exception &error) {
+        job.stop();
         fail(job, error.what());
       }
     }
@@ -432,6 +392,10 @@ author(int argc, char **argv)
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
       "Profile of the analysis: tuned (default) or paper", "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &sound.value, kSoundHelp, "PROFILE" },
+    { "parts", 0, 0, G_OPTION_ARG_INT, &settings.parts,
+      "Number of parts of each film to analyze at the same time; levels near the cuts differ a "
+      "little (default: 1)",
+      "N" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
       "Number of films to analyze at the same time (default: one per processor)", "N" },
     {},
@@ -457,6 +421,10 @@ author(int argc, char **argv)
   if (settings.profile != "tuned" && settings.profile != "paper")
     throw UsageError("--profile is tuned or paper");
   settings.sound = sound_profile(sound.text("off"));
+  if (settings.parts < 1 || settings.parts > 64)
+    throw UsageError("--parts is a number from 1 to 64");
+  if (settings.parts > 1 && settings.rows * settings.columns > kMostCells)
+    throw UsageError("--parts is for grids of at most " + std::to_string(kMostCells) + " cells");
   if (jobs < 0 || jobs > 1024)
     throw UsageError("--jobs is a number from 1 to 1024");
   gst_init(nullptr, nullptr);

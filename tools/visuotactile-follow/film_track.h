@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "draft_cache.h"
 #include "film_probe.h"
 #include "library_search.h"
 
 #include "film/analysis.h"
+#include "film/draft_cache.h"
 #include "follow/ahead_reader.h"
 
 #include <functional>

@@ -98,8 +98,6 @@ Follower::Follower(const FollowSettings &settings)
         return G_SOURCE_CONTINUE;
       },
       this));
-  sources_.push_back(g_timeout_add(
-      kTick, +[](gpointer self) { return static_cast<Follower *>(self)->tick(); }, this));
   for (const int number : { SIGINT, SIGTERM, SIGHUP })
     sources_.push_back(g_unix_signal_add(
         number,
@@ -120,6 +118,8 @@ Follower::~Follower()
   chair_.close(); // before anything else
   for (const guint source : sources_)
     g_source_remove(source);
+  if (ticks_ != 0)
+    g_source_remove(ticks_);
   players_.clear();
   names_.reset();
   kodi_.reset();
@@ -143,7 +143,11 @@ Follower::run()
         bus_, FollowService::Calls{ .status = [this] { return status(); },
                                     .nudge = [this](double by) { return nudge(by); },
                                     .nudge_film = [this](double by) { return nudge_film(by); },
-                                    .pass_over = [this] { film_track_.pass_over(); },
+                                    .pass_over =
+                                        [this] {
+                                          film_track_.pass_over();
+                                          wake();
+                                        },
                                     .told =
                                         [this](const std::string &text) {
                                           tell(text);
@@ -193,6 +197,10 @@ Follower::look_around()
     chair_.close();
     open_chair();
   }
+  if (ticks_ == 0)
+    step();
+  if (is_busy())
+    wake();
 }
 
 void
@@ -277,7 +285,7 @@ Follower::appeared(const std::string &bus_name)
 {
   const auto known = players_.find(bus_name);
   if (known != players_.end() && known->second.is_gone)
-    returned_.push_back(bus_name);
+    returned_.push_back(bus_name); // ticks run
   else if (known == players_.end())
     add(bus_name, follow::open_mpris(bus_, bus_name, events_of(bus_name)));
 }
@@ -329,6 +337,7 @@ Follower::reported(const std::string &key, const Report &report)
   if (goes_on && session_)
     session_->somebody_is_there();
   update();
+  wake();
   if (begins && &player == current_)
     open_chair();
 }
@@ -347,6 +356,7 @@ Follower::gone(const std::string &key, const std::string &why)
   if (attempts == attempts_.end() || std::exchange(attempts->second.failure, why) != why)
     tell(found->second.player->name() + " is gone: " + why);
   update();
+  wake();
 }
 
 void
@@ -476,8 +486,40 @@ Follower::film_position(follow::Time now) const
   return estimate;
 }
 
-gboolean
-Follower::tick()
+/// Starts the ticks, which end by themselves when a second between them is enough.
+void
+Follower::wake()
+{
+  if (ticks_ == 0)
+    ticks_ = g_timeout_add(
+        kTick,
+        +[](gpointer data) -> gboolean {
+          auto *self = static_cast<Follower *>(data);
+          self->step();
+          const bool goes_on = self->is_busy();
+          if (!goes_on)
+            self->ticks_ = 0;
+          return goes_on;
+        },
+        this);
+}
+
+/// Whether anything can change within a second without a report.
+bool
+Follower::is_busy() const
+{
+  return film_track_.is_looking() || !returned_.empty()
+         || std::ranges::any_of(players_,
+                                [](const auto &one) {
+                                  return one.second.is_gone
+                                         || one.second.last.doing == Doing::playing
+                                         || one.second.last.doing == Doing::stalled;
+                                })
+         || (current_ != nullptr && current_->estimator.asks_again());
+}
+
+void
+Follower::step()
 {
   update();
   if (current_ != nullptr)
@@ -505,7 +547,6 @@ Follower::tick()
     g_main_loop_quit(loop_);
   for (const std::string &name : std::exchange(returned_, {}))
     appeared(name);
-  return G_SOURCE_CONTINUE;
 }
 
 void

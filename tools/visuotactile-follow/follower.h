@@ -104,7 +104,9 @@ private:
   FollowStatus status() const;
   void tell(const std::string &text);
   void fail(const std::string &text);
-  gboolean tick();
+  void wake();
+  bool is_busy() const;
+  void step();
 
   const FollowSettings settings_;
   GMainLoop *loop_;
@@ -128,6 +130,7 @@ private:
   follow::Time patient_until_{ 0 };
   std::string failure_;
   std::vector<guint> sources_;
+  guint ticks_ = 0;                   ///< source; 0: none is needed
   std::vector<std::string> returned_; ///< names of players that came back before they were removed
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gst/fusion/sound_meta.h"
 
-#include <gst/tactile/tactile.h>
+#include "gst/fusion/moved_map.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace {
 
@@ -17,18 +17,10 @@ transform(GstBuffer *dest, GstCustomMeta *, GstBuffer *frame, GQuark type, gpoin
   if (felt == nullptr || has_sound_meta(dest))
     return FALSE;
   std::optional<tactile::TactileMap> added = sound_meta(frame, felt->rows, felt->columns);
+  if (added)
+    added = moved_map(frame, std::move(*added), type, data);
   if (!added)
     return FALSE;
-  if (!GST_META_TRANSFORM_IS_COPY(type)) {
-    g_autoptr(GstBuffer) map = gst_buffer_copy(frame);
-    g_autoptr(GstBuffer) moved = gst_buffer_new();
-    GstTactileMeta *own = gst_buffer_get_tactile_meta(map);
-    std::ranges::copy(added->levels, own->levels);
-    if (!own->meta.info->transform_func(moved, &own->meta, map, type, data))
-      return FALSE;
-    own = gst_buffer_get_tactile_meta(moved);
-    std::copy_n(own->levels, added->levels.size(), added->levels.begin());
-  }
   add_sound_meta(dest, *added);
   return TRUE;
 }

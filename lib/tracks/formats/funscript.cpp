@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,26 +28,34 @@ is_vibration(std::string_view axis)
 }
 
 /// The object that has the actions to play: of `axes`, a list with ids (as MultiFunPlayer reads
-/// them), of `channels`, an object by name (funscript 2.0), or the document.
+/// them), of `channels` (funscript 2.0) or `tracks`, objects by name, or the document.
 JsonMembers
 chosen_axis(const JsonMembers &root, bool &is_one_of_many)
 {
-  std::vector<JsonMembers> axes;
+  std::size_t count = 0;
+  std::optional<JsonMembers> chosen;
+  bool vibrates = false;
+  const auto offer = [&](const JsonMembers &axis, bool is_vibration) {
+    count++;
+    if (chosen && (vibrates || !is_vibration))
+      return;
+    chosen = axis;
+    vibrates = is_vibration;
+  };
   if (root.has("actions") && root.size("actions") > 0)
-    axes.push_back(root);
-  const std::size_t count = root.has("axes") ? root.size("axes") : 0;
-  for (std::size_t i = 0; i < count; i++) {
+    offer(root, false);
+  const std::size_t axes = root.has("axes") ? root.size("axes") : 0;
+  for (std::size_t i = 0; i < axes; i++) {
     const JsonMembers axis = root.element("axes", i);
     const char *id = axis.find_text("id");
-    axes.insert(id && is_vibration(id) ? axes.begin() : axes.end(), axis);
+    offer(axis, id && is_vibration(id));
   }
-  if (root.has("channels"))
-    for (const std::string &name : root.object("channels").names()) {
-      const JsonMembers axis = root.object("channels").object(name.c_str());
-      axes.insert(is_vibration(name) ? axes.begin() : axes.end(), axis);
-    }
-  is_one_of_many = axes.size() > 1;
-  return axes.empty() ? root : axes.front();
+  for (const char *group : { "channels", "tracks" })
+    if (root.has(group))
+      for (const std::string &name : root.object(group).names())
+        offer(root.object(group).object(name.c_str()), is_vibration(name));
+  is_one_of_many = count > 1;
+  return chosen.value_or(root);
 }
 
 /// "[…]"
@@ -103,16 +112,21 @@ read_funscript(std::string_view text, std::vector<std::string> &ignored)
   const bool is_inverted = root.flag("inverted", false);
   LevelCurves curves(kTicks, kStepLength);
   std::vector<LevelCurves::Point> points;
+  bool has_early = false;
   const std::size_t count = error ? 0 : axis.size("actions");
   for (std::size_t i = 0; i < count && !error; i++) {
     const JsonMembers action = axis.element("actions", i);
     const double at = action.number("at") * kTicksPerMillisecond;
     const double position = std::clamp(action.number("pos") / 100, 0.0, 1.0);
-    if (!(at >= 0 && at <= curves.latest()))
-      action.fail("expected a time from 0 to 100 hours, in milliseconds");
+    if (!(at <= curves.latest()))
+      action.fail("expected a time up to 100 hours, in milliseconds");
+    else if (at < 0)
+      has_early = true;
     else
       points.push_back({ std::llround(at), is_inverted ? 1 - position : position });
   }
+  if (has_early) // as OFS, MultiFunPlayer and ScriptPlayer do
+    ignored.emplace_back("the actions before 0:00");
   std::ranges::stable_sort(points, {}, &LevelCurves::Point::position);
   if (const auto added = curves.add(0, points); !added)
     axis.fail(added.error().reason);

@@ -16,6 +16,8 @@ namespace tactile {
 namespace {
 
 constexpr int kTimescale = 1000; ///< ticks per second, if the document has none
+constexpr auto kMostCells
+    = static_cast<std::size_t>(kMaxGridSide) * static_cast<std::size_t>(kMaxGridSide);
 
 class Reader
 {
@@ -49,10 +51,8 @@ private:
     if (perception.text("perception_modality") != "Vibrotactile")
       perception.fail("expected the modality Vibrotactile");
     const std::size_t channels = perception.size("channels");
-    constexpr auto kMost
-        = static_cast<std::size_t>(kMaxGridSide) * static_cast<std::size_t>(kMaxGridSide);
-    if (channels < 1 || channels > kMost) {
-      perception.fail("expected 1 to " + std::to_string(kMost) + " channels");
+    if (channels < 1 || channels > kMostCells) {
+      perception.fail("expected 1 to " + std::to_string(kMostCells) + " channels");
       return Track();
     }
     find_grid(perception, channels);
@@ -99,6 +99,8 @@ private:
         const int column = place.integer("X", 0, grid_.columns - 1);
         const int row = grid_.rows - 1 - place.integer("Y", 0, grid_.rows - 1);
         cells_[index].push_back(static_cast<std::size_t>(row * grid_.columns + column));
+        if (++targets_ > kMostCells)
+          channel.fail("expected at most " + std::to_string(kMostCells) + " targets in all");
       }
     else
       cells_[index].push_back(index);
@@ -177,6 +179,7 @@ private:
   Grid grid_;
   bool has_places_ = false;
   std::vector<std::vector<std::size_t>> cells_; ///< per channel
+  std::size_t targets_ = 0;                     ///< in cells_
   LevelCurves curves_{ kTimescale, 1 };
   bool has_unread_frequency_ = false;
   FirstError error_;

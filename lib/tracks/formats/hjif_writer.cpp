@@ -14,7 +14,8 @@ namespace tactile {
 
 namespace {
 
-constexpr int kMostChannelsOfLevel1 = 128;
+/// The reference software says 128, and refuses more than 127.
+constexpr int kMostChannelsOfLevel1 = 127;
 constexpr int kTimescale = 1000; ///< ticks per second
 
 struct Unref

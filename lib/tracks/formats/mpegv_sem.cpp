@@ -29,6 +29,10 @@ constexpr const char *kSi = "urn:mpeg:mpeg21:2003:01-DIA-XSI-NS";
 constexpr const char *kXsi = "http://www.w3.org/2001/XMLSchema-instance";
 constexpr double kDefaultRate = 5;
 constexpr int kTimescale = 1000;
+/// Most bytes of a map's samples, and of those of all maps beyond one each. Longer maps have fewer
+/// samples.
+constexpr std::int64_t kMostOfMap = 8 << 20;
+constexpr std::int64_t kMostSamples = 128 << 20;
 constexpr std::ptrdiff_t kMostNodes = 4'000'000; ///< tags and attributes of a document
 
 struct FreeXml
@@ -107,8 +111,6 @@ private:
     const auto ms = [](Time time) {
       return std::chrono::floor<milliseconds>(time).count();
     };
-    const auto rows
-        = std::max<std::int64_t>(1, (ms(end - begin) * samples_ + kTimescale - 1) / kTimescale);
     xmlNode *effect = xmlNewChild(root, nullptr, xml("Effect"), nullptr);
     xmlNewNsProp(effect, xsi_, xml("type"), xml("sev:TactileType"));
     xmlNewProp(effect, xml("activate"), xml("true"));
@@ -127,9 +129,15 @@ private:
                                               std::chars_format::fixed)
                                     .ptr);
     }
+    row += '\n';
+    const auto size = static_cast<std::int64_t>(row.size());
+    const auto rows
+        = std::clamp<std::int64_t>((ms(end - begin) * samples_ + kTimescale - 1) / kTimescale, 1,
+                                   1 + std::min(kMostOfMap, left_) / size);
+    left_ -= (rows - 1) * size;
     std::string text = "\n";
     for (std::int64_t i = 0; i < rows; i++)
-      text += row + "\n";
+      text += row;
     xmlNode *array = xmlNewChild(effect, sev_, xml("ArrayIntensity"), xml(text.c_str()));
     xmlNewNsProp(array, mpeg7_, xml("dim"),
                  xml((std::to_string(rows) + " " + std::to_string(map.levels.size())).c_str()));
@@ -137,6 +145,7 @@ private:
 
   const Track &track_;
   int samples_;
+  std::int64_t left_ = kMostSamples;
   Document document_{ xmlNewDoc(xml("1.0")) };
   xmlNs *sev_ = nullptr;
   xmlNs *mpeg7_ = nullptr;

@@ -225,6 +225,8 @@ private:
     const auto length = static_cast<double>(span.end - span.begin);
     auto next = path.begin();
     for (std::int64_t at = span.begin; at < span.end && !error_; at += kInterval) {
+      if (++samples_ > Track::kMaxEntries) // silent ones, too
+        feedback.fail("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
       const std::int64_t end = std::min(at + kInterval, span.end);
       const std::int64_t middle = std::midpoint(at, end);
       while (next->at <= middle && next + 1 != path.end())
@@ -255,6 +257,7 @@ private:
 
   LevelCurves curves_{ kTicks, kStepLength };
   std::set<std::string> devices_;
+  std::size_t samples_ = 0; ///< of all paths
   bool has_vest_ = false;
   FirstError error_;
 };

@@ -161,21 +161,27 @@ read_track(std::string_view text, TrackFormat format, std::vector<std::string> *
 }
 
 tl::expected<TrackText, FormatError>
-read_track_text(const std::string &path)
+track_text(std::string bytes, const std::string &name)
 {
-  auto bytes = files::read(path, kMaxTrackFile);
-  if (!bytes)
-    return tl::unexpected(FormatError{ "'" + path + "'", bytes.error().reason });
-  const auto named = track_format(path);
+  const auto named = track_format(name);
   if (named == TrackFormat::sem)
-    return TrackText{ .text = *std::move(bytes), .format = TrackFormat::sem };
-  std::string text = as_utf8(*std::move(bytes));
+    return TrackText{ .text = std::move(bytes), .format = TrackFormat::sem };
+  std::string text = as_utf8(std::move(bytes));
   const auto format = named ? std::optional(*named) : format_of(text);
   if (!format)
     return tl::unexpected(
         FormatError{ .place = named.error().place,
                      .reason = named.error().reason + ", or the text of such a file" });
   return TrackText{ .text = std::move(text), .format = *format };
+}
+
+tl::expected<TrackText, FormatError>
+read_track_text(const std::string &path)
+{
+  auto bytes = files::read(path, kMaxTrackFile);
+  if (!bytes)
+    return tl::unexpected(FormatError{ "'" + path + "'", bytes.error().reason });
+  return track_text(*std::move(bytes), path);
 }
 
 tl::expected<Track, FormatError>

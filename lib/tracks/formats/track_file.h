@@ -60,6 +60,9 @@ struct TrackText
   TrackFormat format; ///< by the file's name, or by its text if the name has no known extension
 };
 
+/// Converts the bytes of a file of this name.
+tl::expected<TrackText, FormatError> track_text(std::string bytes, const std::string &name);
+
 /// Errors start with the file's name, as those of read_track_file().
 tl::expected<TrackText, FormatError> read_track_text(const std::string &path);
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 
 #include <gst/check/gstcheck.h>
@@ -91,6 +92,7 @@ assert_felt_as_seen(GstHarness *h, GstBuffer *picture, const char *name)
   if (meta == nullptr) {
     fail_if(moves_maps(), "%s: the map is gone", name);
     fail_if(has_sound_meta(picture));
+    fail_unless(later_maps(picture) == nullptr);
     fail_if(gst_buffer_get_saliency_meta(picture) != nullptr);
     return;
   }
@@ -103,6 +105,13 @@ assert_felt_as_seen(GstHarness *h, GstBuffer *picture, const char *name)
                 text(felt).c_str(), text(expected).c_str());
   const auto added = sound_meta(picture, kRows, kColumns);
   fail_unless(added.has_value(), "%s: what the sound added is gone", name);
+  GstBufferList *later = later_maps(picture);
+  fail_unless(later != nullptr, "%s: the maps within the frame are gone", name);
+  std::vector<gfloat> levels(felt.size());
+  gst_buffer_extract(gst_buffer_list_get(later, 0), 0, levels.data(),
+                     levels.size() * sizeof(gfloat));
+  for (std::size_t i = 0; i < felt.size(); i++)
+    fail_unless(std::abs(felt[i] - levels[i]) < 1e-5F);
   const GstSaliencyMeta *saliency = gst_buffer_get_saliency_meta(picture);
   fail_unless(saliency != nullptr, "%s: the saliency map is gone", name);
   for (std::size_t i = 0; i < felt.size(); i++) {
@@ -122,6 +131,8 @@ through(GstHarness *h)
   tactile::TactileMap added(kRows, kColumns);
   added.levels.assign(kLevels.begin(), kLevels.end());
   add_sound_meta(in, added);
+  const LaterMap later{ std::chrono::milliseconds(1), added };
+  set_later_maps(in, { &later, 1 });
   fail_unless_equals_int(gst_harness_push(h, in), GST_FLOW_OK);
   gst_harness_push_event(h, gst_event_new_eos());
   return gst_harness_pull(h);

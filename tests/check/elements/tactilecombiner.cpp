@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <array>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 
 #include "support/playing.h"
@@ -133,9 +135,18 @@ public:
       levels.assign(all, all + n);
     }
     added = sound_meta(frame, 1, 2);
+    later.clear();
+    if (GstBufferList *maps = later_maps(frame))
+      for (guint i = 0; i < gst_buffer_list_length(maps); i++) {
+        gfloat level = 0;
+        gst_buffer_extract(gst_buffer_list_get(maps, i), 0, &level, sizeof level);
+        later.emplace_back(GST_BUFFER_PTS(gst_buffer_list_get(maps, i)) / GST_MSECOND, level);
+      }
     gst_buffer_unref(frame);
     return levels;
   }
+  using Later = std::vector<std::pair<GstClockTime, gfloat>>;
+  Later later; ///< ms after the frame's time, and the first cell, of the frame that pull() took
   std::optional<tactile::TactileMap> added; ///< by the sound, to the frame that pull() took
 
 private:
@@ -216,6 +227,60 @@ GST_START_TEST(test_map_at_the_frames_beginning)
   ASSERT_LEVELS(c, { 1, 0 });
   ASSERT_LEVELS(c, { 0.25F, 0 });
   ASSERT_LEVELS(c, { 0, 0 }); // the film is longer
+}
+GST_END_TEST;
+
+/// What begins or ends within a frame, also of a film at twice the speed.
+GST_START_TEST(test_maps_within_a_frame)
+{
+  for (const char *mix : { "replace", "max", "gate" })
+    for (const double rate : { 1.0, 2.0 }) {
+      Combiner c;
+      c.set("mix", mix);
+      GstSegment segment;
+      gst_segment_init(&segment, GST_FORMAT_TIME);
+      segment.rate = rate;
+      for (GstHarness *h : { c.video, c.track })
+        fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+      c.push_map(0.5F, 0, 10);
+      c.push_map(1, 24, 60);
+      c.push_map(0.75F, 62, 64);
+      c.end_track();
+      const bool has_own = mix != std::string("replace");
+      for (const guint i : { 0U, 1U, 2U })
+        c.push_frame(i, has_own ? 0.25F : -1);
+      const gfloat silent = has_own ? 0.25F : 0;
+      const bool splits = mix != std::string("gate");
+      const auto text = [](const Combiner::Later &maps) {
+        std::string all;
+        for (const auto &[after, level] : maps)
+          all += std::to_string(after) + ":" + std::to_string(level) + " ";
+        return all;
+      };
+      const std::array<Combiner::Later, 2> expected{
+        { { { 10, silent }, { 24, 1 } }, { { 20, silent }, { 22, 0.75F }, { 24, silent } } }
+      };
+      for (const Combiner::Later &maps : expected) {
+        c.pull();
+        fail_unless(c.later == (splits ? maps : Combiner::Later{}), "%s %g: %s", mix, rate,
+                    text(c.later).c_str());
+      }
+      c.pull();
+      fail_unless(c.later.empty());
+    }
+}
+GST_END_TEST;
+
+/// The sound's maps are one with the picture's.
+GST_START_TEST(test_sound_within_a_frame)
+{
+  Combiner c;
+  c.push_map(0.5F, 0, 10, true);
+  c.push_map(1, 10, 60, true);
+  c.end_track();
+  c.push_frame(0);
+  ASSERT_LEVELS(c, { 0.5F, 0 });
+  fail_unless(c.later.empty());
 }
 GST_END_TEST;
 
@@ -532,6 +597,8 @@ tactilecombiner_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_map_at_the_frames_beginning);
+  tcase_add_test(tests, test_maps_within_a_frame);
+  tcase_add_test(tests, test_sound_within_a_frame);
   tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_film_ends_first);
   tcase_add_test(tests, test_longer_track);

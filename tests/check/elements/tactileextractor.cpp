@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 #include <gst/check/gstcheck.h>
 
@@ -603,12 +604,46 @@ GST_START_TEST(test_restart)
 }
 GST_END_TEST;
 
+/// A map of a track that begins within a frame comes at its own time, also through a copy.
+GST_START_TEST(test_maps_within_a_frame)
+{
+  Extractor x;
+  g_autoptr(GstBuffer) frame = make_frame(2, 1, 2);
+  tactile::TactileMap map(1, 2);
+  map.levels = { 0.5F, 0 };
+  map.frequency = 120;
+  const std::array<LaterMap, 2> later{ LaterMap{ std::chrono::milliseconds(10), map },
+                                       LaterMap{ std::chrono::milliseconds(25),
+                                                 tactile::TactileMap(1, 2) } };
+  set_later_maps(frame, later);
+  fail_unless_equals_int(gst_harness_push(x.video, gst_buffer_copy(frame)), GST_FLOW_OK);
+  const std::array<GstClockTime, 4> times{ 80, 90, 105, 120 };
+  for (std::size_t i = 0; i < 3; i++) {
+    g_autoptr(GstBuffer) felt = gst_harness_pull(x.tactile);
+    fail_unless_equals_uint64(GST_BUFFER_PTS(felt), times[i] * GST_MSECOND);
+    fail_unless_equals_uint64(GST_BUFFER_DURATION(felt), (times[i + 1] - times[i]) * GST_MSECOND);
+    fail_unless_equals_float(gst_buffer_get_tactile_frequency(felt), i == 1 ? 120 : 0);
+    fail_unless_equals_int(GST_BUFFER_IS_DISCONT(felt), i == 0);
+    gfloat level = -1;
+    gst_buffer_extract(felt, 0, &level, sizeof level);
+    fail_unless_equals_float(level, i == 1 ? 0.5F : i == 0 ? 0.25F : 0);
+  }
+  // Not those of a map that was replaced by one of another grid.
+  const gfloat other = 1;
+  gst_buffer_add_tactile_meta(frame, 1, 1, &other, 1);
+  fail_unless_equals_int(gst_harness_push(x.video, gst_buffer_copy(frame)), GST_FLOW_OK);
+  gst_buffer_unref(gst_harness_pull(x.tactile));
+  fail_unless(gst_harness_try_pull(x.tactile) == nullptr);
+}
+GST_END_TEST;
+
 static Suite *
 tactileextractor_suite(void)
 {
   Suite *suite = suite_create("tactileextractor");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_maps_within_a_frame);
   tcase_add_test(tests, test_frame_and_map);
   tcase_add_test(tests, test_stream_ids);
   tcase_add_test(tests, test_caps_changes);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // tactilesubtitles with frames and subtitles. tests/tools/players.sh tests that players choose it.
+#include "gst/fusion/later_maps.h"
 #include "tracks/klv.h"
 
 #include <string>
@@ -376,12 +377,35 @@ GST_START_TEST(test_track_in_a_clocked_film)
 }
 GST_END_TEST;
 
+/// The chair gets what begins or ends within a frame at its own time.
+GST_START_TEST(test_cues_within_a_frame)
+{
+  Subtitles subtitles;
+  subtitles.push_cue("50 0", 90, 110);
+  subtitles.push_cue("75 0", 112, 130);
+  g_autoptr(GstBuffer) frame = subtitles.play_frame(80);
+  GstBufferList *later = later_maps(frame);
+  fail_unless(later != nullptr);
+  std::string felt;
+  for (guint i = 0; i < gst_buffer_list_length(later); i++) {
+    gfloat level = 0;
+    gst_buffer_extract(gst_buffer_list_get(later, i), 0, &level, sizeof level);
+    felt += std::to_string(GST_BUFFER_PTS(gst_buffer_list_get(later, i)) / GST_MSECOND) + ":"
+            + std::to_string(static_cast<int>(level * 100 + 0.5F)) + " ";
+  }
+  ck_assert_str_eq(felt.c_str(), "10:50 30:0 32:75 ");
+  g_autoptr(GstBuffer) next = subtitles.play_frame(120);
+  fail_unless_equals_int(gst_buffer_list_length(later_maps(next)), 1);
+}
+GST_END_TEST;
+
 static Suite *
 tactilesubtitles_suite()
 {
   Suite *s = suite_create("tactilesubtitles");
   TCase *cases = tcase_create("general");
   suite_add_tcase(s, cases);
+  tcase_add_test(cases, test_cues_within_a_frame);
   tcase_add_test(cases, test_track);
   tcase_add_test(cases, test_late_cue);
   tcase_add_test(cases, test_words);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Drafts that are kept for the next time.
-#include "visuotactile-follow/draft_cache.h"
+#include "film/draft_cache.h"
 
 #include <filesystem>
 #include <fstream>

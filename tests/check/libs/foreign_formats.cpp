@@ -311,10 +311,34 @@ GST_START_TEST(test_funscript)
         R"("vib":{"actions":[{"at":0,"pos":40},{"at":100,"pos":40}]}}})";
   ASSERT_LEVEL(read("\xEF\xBB\xBF" + channels, TrackFormat::funscript), 50ms, 0.4);
   ASSERT_COMPLAINT(read_track("{}", TrackFormat::funscript), "document", "'actions'");
-  ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":-1,"pos":0}]})", TrackFormat::funscript),
+  // One file of several axes, as the forum of the writers agreed.
+  ignored.clear();
+  const std::string tracks
+      = R"({"actions":[{"at":0,"pos":10},{"at":100,"pos":10}],"tracks":{"twist":{"actions":[]},)"
+        R"("vib":{"actions":[{"at":0,"pos":50},{"at":100,"pos":50}]}}})";
+  ASSERT_LEVEL(read(tracks, TrackFormat::funscript, &ignored), 50ms, 0.5);
+  fail_unless(ignored == Ignored{ "the other axes" });
+  ignored.clear();
+  ASSERT_LEVEL(read(R"({"actions":[{"at":-5,"pos":0},{"at":10,"pos":70},{"at":20,"pos":70}]})",
+                    TrackFormat::funscript, &ignored),
+               15ms, 0.7);
+  fail_unless(ignored == Ignored{ "the actions before 0:00" });
+  ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":4e8,"pos":0}]})", TrackFormat::funscript),
                    "actions[0]", "100 hours");
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":1}]})", TrackFormat::funscript), "actions[0]",
                    "'pos'");
+}
+GST_END_TEST;
+
+/// As many axes as a document may have, each a vibration.
+GST_START_TEST(test_funscript_axes)
+{
+  std::string axes = R"({"id":"V0","actions":[{"at":0,"pos":50},{"at":10,"pos":50}]})";
+  for (int i = 0; i < 17; i++)
+    axes += "," + axes;
+  Ignored ignored;
+  ASSERT_LEVEL(read(R"({"axes":[)" + axes + "]}", TrackFormat::funscript, &ignored), 5ms, 0.5);
+  fail_unless(ignored == Ignored{ "the other axes" });
 }
 GST_END_TEST;
 
@@ -366,6 +390,18 @@ GST_START_TEST(test_tact_paths)
   for (const int cell : { 1, 2, 5, 6 })
     fail_unless_equals_float(level(point, 499ms, cell), 0.25);
   fail_unless(point.end() == 500ms);
+}
+GST_END_TEST;
+
+/// A path that is not felt takes time, too.
+GST_START_TEST(test_tact_silent_paths)
+{
+  std::string text = tact(path(R"({"x":0,"y":0,"intensity":0,"time":0},)"
+                               R"({"x":1,"y":0,"intensity":0,"time":300000000})"));
+  text.replace(text.find("\"offsetTime\":400"), 16, "\"offsetTime\":300000000");
+  ASSERT_COMPLAINT(read_track(text, TrackFormat::tact),
+                   "project.tracks[0].effects[0].modes.VestBack.pathMode.feedback[0]",
+                   "more changes than a track can have");
 }
 GST_END_TEST;
 
@@ -434,9 +470,11 @@ foreign_formats_suite(void)
   tcase_add_test(tests, test_funscript_keeps);
   tcase_add_test(tests, test_commas_at_the_end);
   tcase_add_test(tests, test_funscript);
+  tcase_add_test(tests, test_funscript_axes);
   tcase_add_test(tests, test_tact_dots);
   tcase_add_test(tests, test_tact_fades);
   tcase_add_test(tests, test_tact_paths);
+  tcase_add_test(tests, test_tact_silent_paths);
   tcase_add_test(tests, test_tact_devices);
   tcase_add_test(tests, test_formats_by_content);
   return suite;

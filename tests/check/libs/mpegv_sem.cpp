@@ -189,12 +189,28 @@ GST_START_TEST(test_format_by_name)
 }
 GST_END_TEST;
 
+/// A map that lasts for hours at a high rate has less text.
+GST_START_TEST(test_long_map)
+{
+  Track track(1, 2);
+  track.set_rate(1000);
+  fail_unless(track.append(1s, make_map(1, 2, { 0.5F, 1 })).has_value());
+  fail_unless(track.set_end(3h).has_value());
+  const std::string text = write_sem(track); // 65 MB with all samples
+  fail_unless(text.size() < std::size_t{ 10 } << 20);
+  const auto read = read_sem(text);
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().text().c_str());
+  fail_unless(*read == track);
+}
+GST_END_TEST;
+
 static Suite *
 mpegv_sem_suite(void)
 {
   Suite *suite = suite_create("mpegv_sem");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_long_map);
   tcase_add_test(tests, test_reference_file);
   tcase_add_test(tests, test_round_trip);
   tcase_add_test(tests, test_rows_are_samples);

@@ -23,6 +23,9 @@ export class Strip {
     try {
       const [strip, peaks, cuts] = await Promise.all([desk.get('thumbnails'),
         desk.bytes(`sound?from=${this.#sound.length}`), desk.get('cuts')]);
+      // A picture nearby gives way to that of the moment.
+      for (let index = this.#strip?.final ?? 0; index < strip.final; index++)
+        this.#images.delete(index);
       this.#strip = strip;
       this.#timeline.cuts = cuts.cuts;
       if (peaks.length) {
@@ -52,7 +55,7 @@ export class Strip {
     const image = new Image();
     image.onload = () => this.#timeline.refresh();
     image.onerror = () => this.#images.delete(index);
-    image.src = `thumbnail?index=${index}`;
+    image.src = `thumbnail?index=${index}${index < this.#strip.final ? '' : '&near=1'}`;
     this.#images.set(index, image);
     if (this.#images.size > KEPT)
       this.#images.delete(this.#images.keys().next().value);

@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film/analysis.h"
-#include "library/film_content.h"
+#include "analysis.h"
+#include "film_cache.h"
+
 #include "tracks/track.h"
 
-#include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 
-/// Stores complete drafts. A film is identified by the size of its file and parts of the content,
-/// not by path or name.
+/// Stores complete drafts.
 class DraftCache
 {
 public:
-  /// Beyond this, the least used drafts are deleted.
-  static constexpr std::uintmax_t kMostBytes = std::uintmax_t{ 256 } << 20;
-
-  /// $XDG_CACHE_HOME/visuotactile/drafts
   static std::string usual_folder();
 
-  explicit DraftCache(std::string folder, std::uintmax_t most_bytes = kMostBytes);
+  explicit DraftCache(std::string folder, std::uintmax_t most_bytes = FilmCache::kMostBytes);
 
   /// The draft that these settings made of the film; none: there is none that can be read.
   std::optional<tactile::Track> find(const std::string &film,
@@ -37,8 +31,5 @@ public:
   std::string path(const std::string &film, const AnalysisSettings &settings) const;
 
 private:
-  void remove_old() const;
-
-  std::string folder_;
-  std::uintmax_t most_bytes_;
+  FilmCache files_;
 };

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "nanoseconds.h"
+#include "tactile/tactile_map.h"
+
+#include <gst/gst.h>
+
+#include <optional>
+#include <span>
+
+/// A map that is felt from a time within its frame on.
+struct LaterMap
+{
+  visuotactile::Time after; ///< in the time of the frame's PTS
+  tactile::TactileMap map;
+};
+
+/// Says of a frame which maps follow its own until its end, in order; they have the same grid. The
+/// frame is writable, and has its own map.
+void set_later_maps(GstBuffer *frame, std::span<const LaterMap> maps);
+
+/// These maps as buffers of a stream of maps, whose PTS is `after`. Null: none. Transfer none.
+GstBufferList *later_maps(GstBuffer *frame);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactile/tactile_map.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <optional>
+
+/// A map that moves as the tactile map of its frame does, whose grid it has. None: that map is
+/// dropped.
+inline std::optional<tactile::TactileMap>
+moved_map(GstBuffer *frame, tactile::TactileMap map, GQuark type, gpointer data)
+{
+  if (GST_META_TRANSFORM_IS_COPY(type))
+    return map;
+  g_autoptr(GstBuffer) still = gst_buffer_copy(frame);
+  g_autoptr(GstBuffer) moved = gst_buffer_new();
+  GstTactileMeta *meta = gst_buffer_get_tactile_meta(still);
+  std::ranges::copy(map.levels, meta->levels);
+  if (!meta->meta.info->transform_func(moved, &meta->meta, still, type, data))
+    return std::nullopt;
+  meta = gst_buffer_get_tactile_meta(moved);
+  std::copy_n(meta->levels, map.levels.size(), map.levels.begin());
+  return map;
+}
