@@ -258,8 +258,8 @@ GST_START_TEST(test_pitch)
 }
 GST_END_TEST;
 
-// Impacts of 40 to 110 Hz are felt there, but for the begin of some with a crack; without low parts,
-// above them.
+// Impacts of 40 to 110 Hz are felt there, but for the begin of some with a crack; without low
+// parts, above them.
 GST_START_TEST(test_pitch_of_impacts)
 {
   const auto mono = usual_speakers(1);
@@ -284,7 +284,7 @@ GST_START_TEST(test_pitch_of_impacts)
       fail_unless(moment.frequency >= 20 && moment.frequency <= 320);
     }
     ck_assert_int_ge(10 * right, 9 * felt);
-    ck_assert_int_ge(impacts, is_high ? 2 : 8); // most of the high ones are like hi-hats
+    ck_assert_int_ge(impacts, is_high ? 2 : 8); // most high ones are like hi-hats
   }
 }
 GST_END_TEST;
