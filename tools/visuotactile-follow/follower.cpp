@@ -458,6 +458,7 @@ Follower::rest(bool rests, const std::string &why)
     open_chair();
   }
   cues_.set_track(rests ? nullptr : track_);
+  wake();
 }
 
 void
@@ -508,14 +509,16 @@ Follower::wake()
 bool
 Follower::is_busy() const
 {
-  return film_track_.is_looking() || !returned_.empty()
-         || std::ranges::any_of(players_,
-                                [](const auto &one) {
-                                  return one.second.is_gone
-                                         || one.second.last.doing == Doing::playing
-                                         || one.second.last.doing == Doing::stalled;
-                                })
-         || (current_ != nullptr && current_->estimator.asks_again());
+  const bool any_leaves = !returned_.empty() || std::ranges::any_of(players_, [](const auto &one) {
+    return one.second.is_gone;
+  });
+  if (rests_ || any_leaves)
+    return any_leaves;
+  return film_track_.is_busy(position_) || (current_ != nullptr && current_->estimator.asks_again())
+         || std::ranges::any_of(players_, [](const auto &one) {
+              return one.second.last.doing == Doing::playing
+                     || one.second.last.doing == Doing::stalled;
+            });
 }
 
 void
