@@ -17,7 +17,7 @@ public:
   enum Index
   {
     deep,
-    over, ///< dB more below 65 Hz than in each higher band
+    over,                      ///< dB more below 65 Hz than in each higher band
     crest = over + kBands - 1, ///< peak over mean power of 18–130 Hz in 0.4 s, dB: music beats
     voicing,                   ///< of 0.1 s, 10 if it is full
     uneven,                    ///< dB: of tones
@@ -58,7 +58,7 @@ private:
   double long_uneven_ = 0;
   double busy_ = 0;
   std::array<std::array<float, kBands>, 4> levels_{}; ///< of the last hops, dB
-  double seconds_ = -70; ///< dB
+  double seconds_ = -70;                              ///< dB
   std::array<Part, kParts> parts_{};
   Part part_;
   std::size_t hops_ = 0;

@@ -25,7 +25,7 @@ struct FeelSettings
 /// The effects during kHopTime.
 struct Moment
 {
-  Time begin{ 0 }; ///< of the sound since the reset
+  Time begin{ 0 };     ///< of the sound since the reset
   float level = 0;     ///< [0, 1]
   float frequency = 0; ///< Hz, where the level is not 0
   Place place;
