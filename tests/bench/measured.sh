@@ -21,7 +21,7 @@ case $page in
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
-  listen) targets=tests/bench/listen ;;
+  listen) targets="tests/bench/listen tools/visuotactile-follow tools/tactile-track" ;;
   mux) targets=tools/tactile-track ;;
   sound) targets=tests/sound/sound_quality ;;
   sound-clips) targets=tools/tactile-track ;;
@@ -416,15 +416,29 @@ CAPTION
       head_of "Films known by their sound"
       cat <<'CAPTION'
 Titles are mixed of the music, voices and effects of 24 of Debian's games at other speeds, and of synthetic notes and
-noise. Each is heard from a random place on, in a synthetic room with as much direct sound as reverberation, and with
-noise, music or voices that are in no title. Two in five run at 25/24 or 24/25 of their speed, but for Chromaprint
-(`fpcalc -raw`), which looks for the fewest different bits in 60 of the titles, 6 times a row. Right: the title, and
-the place within 150 ms. Errors are against the true position, of all reports after the first.
+noise; no two have the same stretch of music or speech within 0.5 % of the same speed. Each is heard from a random place
+on, in a synthetic room with as much direct sound as reverberation, and with noise, music or voices that are in no title.
+Two in five run at 25/24 or 24/25 of their speed, but for Chromaprint (`fpcalc -raw`), which looks for the fewest
+different bits in 60 of the titles, 10 times a row. Right: the title, and the place within 150 ms. Errors are against the
+true position, of all reports after the first.
 
 CAPTION
       pool=${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile-sounds
       "$root/tests/bench/listen_pool.sh" "$pool" >&2
       "$built/tests/bench/listen" "$pool/listen" "${@:-1000}"
+      cat <<'CAPTION'
+
+## Commands against the picture
+
+mpv plays a film on Xvfb's screen, and its sound in a room in PulseAudio (0.4 s, as above) whose monitor is the
+microphone; noise is mixed into the sound. The error is the time at which a simulated motor must have its level, minus the
+time at which the frame appeared: the median, and the 95th percentile of its magnitude, from 5 s after the film was
+found on. A second follower has the position from mpv. Until felt: from the start or the seek.
+
+| noise | after | until felt | by ear: pulses | p50 | p95 | by report: pulses | p50 | p95 |
+|---|---|---|---|---|---|---|---|---|
+CAPTION
+      FOLLOW="$built/tools/visuotactile-follow" TRACK="$built/tools/tactile-track" GST_PLUGIN_PATH_1_0="$built/gst" /usr/bin/python3 "$here/../tools/follow_ear.py"
       ;;
     sound-real)
       head_of "Real sounds"
