@@ -16,10 +16,12 @@ mode=parallel
 jobs=$(nproc)
 limit=12h
 resumes=
+list=
 while [[ ${1:-} == --* ]]; do
   case $1 in
     --jobs) jobs=${2:-}; shift ;;
     --limit) limit=${2:-}; shift ;;
+    --list) list=${2:-}; shift ;; # of a task
     --resume) resumes=yes ;;
     --slurm | --table | --task) mode=${1#--} ;;
     --help) sed -n '3,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -51,9 +53,10 @@ if ! command -v tactile-track >/dev/null; then
 fi
 
 # The films of a run: paths below their folder, NUL-terminated, in a fixed order. A film that comes later changes no run.
-list=$tracks/.films
+list=${list:-$tracks/.films}
 freeze() {
-  (cd -- "$films" && find . -type f -regextype posix-extended -iregex '.*\.(mkv|mp4|m4v|mov|webm|avi|ts|mpg|ogv)' -printf '%P\0' | sort -z) >"$list.new"
+  # A folder that cannot be read is named by find, and left out.
+  (cd -- "$films" && { find . -type f -regextype posix-extended -iregex '.*\.(mkv|mp4|m4v|mov|webm|avi|ts|mpg|ogv)' -printf '%P\0' || true; } | sort -z) >"$list.new"
   mv -- "$list.new" "$list"
 }
 if [ "$mode" != task ] && [ -z "$resumes" ] && { [ "$mode" != table ] || [ ! -e "$list" ]; }; then
@@ -68,17 +71,18 @@ track() {
   printf '%s.vtt\n' "$tracks/$1"
 }
 
-# one FILM OPTION...: tries twice; .reasons/FILM is the reason of the last failure
+# one FILM OPTION...: tries twice; .reasons/FILM.txt has the reason of the last failure
 one() {
   local out reason status try
   out=$(track "$1")
-  reason=$tracks/.reasons/$1
+  reason=$tracks/.reasons/$1.txt
   mkdir -p -- "$(dirname -- "$out")" "$(dirname -- "$reason")"
   for ((try = 0; try < 2; try++)); do
     status=0
-    timeout --kill-after=10 "$limit" tactile-track author --jobs=1 "$films/$1" -o "$out" "${@:2}" 2>"$reason" || status=$?
+    timeout --foreground --kill-after=10 "$limit" tactile-track author --jobs=1 "$films/$1" -o "$out" "${@:2}" 2>"$reason" || status=$?
     case $status in
-      124 | 137) echo "stopped after $limit" >>"$reason" ;;
+      124) echo "stopped after $limit" >>"$reason" ;;
+      137) echo "killed: after $limit, or for want of memory" >>"$reason" ;;
     esac
     cat -- "$reason" >&2
     case $status in
@@ -94,7 +98,7 @@ table() {
   printf '%-40s %10s %6s\n' film "length (s)" "felt"
   while IFS= read -r -d '' film; do
     out=$(track "$film")
-    reason=$(tail -n 1 -- "$tracks/.reasons/$film" 2>/dev/null) || true
+    reason=$(tail -n 1 -- "$tracks/.reasons/$film.txt" 2>/dev/null) || true
     reason=${reason##*"/$film: "}
     if [ -f "$out" ] && information=$(tactile-track info "$out" 2>/dev/null); then
       awk -v film="$film" -v older="${reason:+  (older: $reason)}" '/^Length/ { length_s = $2 } /^Felt/ { felt = substr($4, 2) " %" }
@@ -126,9 +130,12 @@ case $mode in
     # An array is limited: if there are more films than tasks, each task has several.
     most=$(scontrol show config | sed -n 's/^MaxArraySize *= *//p')
     count=$((${#all[@]} < ${most:-1001} ? ${#all[@]} : ${most:-1001}))
+    # Another run may follow before this one has ended.
+    frozen=$(mktemp "$tracks/.films-XXXXXX")
+    cp -- "$list" "$frozen"
     # With --wait, sbatch returns after the last film, and fails if any film failed.
     sbatch --wait --quiet --job-name=author-catalogue --array="0-$((count - 1))" --cpus-per-task=1 --output="$tracks/slurm-%A-%a.log" \
-      --wrap "$(printf '%q ' "$(realpath -- "$0")" --task --limit "$limit" "$films" "$tracks" -- "$@")" || true
+      --wrap "$(printf '%q ' "$(realpath -- "$0")" --task --list "$frozen" --limit "$limit" "$films" "$tracks" -- "$@")" && rm -- "$frozen"
     table
     ;;
   task)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 namespace {
@@ -50,6 +51,17 @@ rectangle_of(const ReadFrame &read, const FrameMapping &mapping, const cv::Rect2
            read.window->height * y_step };
 }
 
+/// The way of the camera since the last analysis: the picture moves the other way.
+tactile::CameraWay
+way_of(const saliency::Saliency &found)
+{
+  const double x = found.picture.x + found.picture.width / 2;
+  const double y = found.picture.y + found.picture.height / 2;
+  return { .right = (x - found.motion.x(x, y)) / found.picture.width,
+           .down = (y - found.motion.y(x, y)) / found.picture.height,
+           .ahead = std::log(std::hypot(found.motion.a, found.motion.b)) };
+}
+
 } // namespace
 
 void
@@ -62,6 +74,7 @@ FilmAnalysis::forget()
   if (people_)
     people_->reset();
   viewport_.reset();
+  camera_wave_.reset();
 }
 
 void
@@ -197,6 +210,7 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   if (found.cut) { // the finds of the last shot are gone
     top_down_->reset();
     viewport_.reset();
+    camera_wave_.reset();
   }
   Placement placement = read->placement; // of the frame in the analyzed picture
   placement.offset_x -= mapping->left();
@@ -227,6 +241,8 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   if (stored_map_.rows != rows || stored_map_.columns != columns)
     stored_map_ = tactile::TactileMap(rows, columns);
   tactile::map_saliency(view, how, stored_map_, viewport);
+  if (settings.camera == CameraMode::gentle)
+    camera_wave_.follow(way_of(found), time, stored_map_);
   tactile::turn(stored_map_, orientation, map_);
   if (settings.attach_saliency)
     keep_saliency(view, how.floor);

@@ -7,6 +7,7 @@
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
+#include "tactile/camera_wave.h"
 #include "tactile/density.h"
 #include "tactile/orientation.h"
 #include "tactile/picture_map.h"
@@ -108,6 +109,7 @@ private:
   std::optional<saliency::TopDownSaliency> top_down_; ///< as the analyzer
   tactile::AdaptiveViewport viewport_;
   tactile::DensityControl density_;
+  tactile::CameraWave camera_wave_;
   tactile::Orientation orientation_; ///< of map_
   tactile::TactileMap stored_map_;   ///< in the pixels of the frame
   tactile::TactileMap map_;

@@ -32,6 +32,19 @@ viewport_type()
   return type;
 }
 
+GType
+camera_type()
+{
+  static const GEnumValue values[] = {
+    { static_cast<gint>(CameraMode::off), "Nothing", "off" },
+    { static_cast<gint>(CameraMode::gentle),
+      "A soft wave in the direction of travel, while no event is felt", "gentle" },
+    { 0, nullptr, nullptr },
+  };
+  static const GType type = properties::register_enum("GstSaliencyTactileCamera", values);
+  return type;
+}
+
 std::optional<std::string>
 write_weights(const SaliencySettings &settings)
 {
@@ -98,6 +111,8 @@ constexpr P kProperties[] = {
             PROPERTY_FIELD(people), people_mode_type),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
+  P::choice("camera", "Effect of a camera that travels; nothing with profile=paper", kPlaying,
+            PROPERTY_FIELD(camera), camera_type),
   P::choice("video-direction",
             "How the picture, and with it the grid, is turned on its way to the screen (auto: by "
             "its tag)",

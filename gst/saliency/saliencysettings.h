@@ -17,6 +17,13 @@ enum class ProfileName
   paper,
 };
 
+/// The effect of a camera that travels.
+enum class CameraMode
+{
+  off,
+  gentle,
+};
+
 enum class ViewportMode
 {
   fixed,
@@ -41,6 +48,7 @@ struct SaliencySettings
   std::shared_ptr<const saliency::RegionWeights> roi_weights; ///< null: 1 for every type
   std::string roi_weights_error; ///< why the last text was refused; empty: it was not
   ViewportMode viewport = ViewportMode::fixed;
+  CameraMode camera = CameraMode::off;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   tactile::CueLimits cue_limits;
   bool attach_saliency = false;

@@ -55,13 +55,20 @@ AheadReader::step(Time position, Time now, Time cpu)
     choose(position, now);
 }
 
+bool
+AheadReader::is_far_ahead(Time position) const
+{
+  const Time known = known_until(position);
+  return !is_all(known) && known > position + kFar;
+}
+
 /// Whether reading may continue: less than kFar is known ahead, and CPU time is left.
 bool
 AheadReader::may_read(Time position, Time now, Time cpu)
 {
-  const Time known = known_until(position);
-  if (!is_all(known) && known > position + kFar)
+  if (is_far_ahead(position))
     return false;
+  const Time known = known_until(position);
   if (!mark_ || now - *mark_ >= kCounted) {
     mark_ = now;
     cpu_mark_ = cpu;

@@ -69,6 +69,8 @@ public:
   }
   /// End of the known part from a position on.
   Time known_until(Time position) const;
+  /// Whether so much is known ahead of a position that nothing is read.
+  bool is_far_ahead(Time position) const;
   /// Whether all of the film is known.
   bool is_complete() const
   {

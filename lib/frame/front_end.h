@@ -42,8 +42,8 @@ std::string_view fault_of(const FrameView &frame);
 class FrontEnd
 {
 public:
-  /// Sets the maximum number of threads; initially 1, and 1 with 0 or less: a frame is analyzed in
-  /// less time than it takes to wake other threads for each step of it (docs/measured/speed.md).
+  /// Sets the maximum number of threads; initially 1, and 1 with 0 or less: waking other
+  /// threads takes about as long as they save (docs/measured/speed.csv).
   void set_threads(int threads);
 
   /// Returns the frame's L*a*b* image at `level`, computed at level `converted`; it is valid until

@@ -74,5 +74,6 @@ of() { cut -d ' ' -f "$2" "$work/$1" >"$work/column"; median "$work/column"; }
 for row in "alone:the film" "analyzed:with saliencytactile" "people:with saliencytactile people=fast"; do
   name=${row%%:*}
   awk -v what="${row#*:}" -v a="$(of alone 1)" -v b="$(of alone 2)" -v c="$(of "$name" 1)" -v d="$(of "$name" 2)" \
-    'BEGIN { printf "| %s | %.2f | %.2f | %.0f | %.0f %% |\n", what, c, c - a, d, 100 * (d - b) / b }'
+    'BEGIN { if (what == "the film") printf "| %s | %.2f | – | %.0f | – |\n", what, c, d
+      else printf "| %s | %.2f | %.2f | %.0f | %d %% |\n", what, c, c - a, d, 100 * (d - b) / b }'
 done

@@ -13,11 +13,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <span>
 
 namespace {
 
-constexpr const char *kMadeWith = "strip=1";
+constexpr const char *kMadeWith = "strip=1 version=" PACKAGE_VERSION;
 constexpr const char *kKept = "(xaayayaxx)"; ///< interval, pictures, peaks, cuts, their end
 constexpr std::size_t kMostKept = std::size_t{ 64 } << 20;
 constexpr int kWidth = 160;                  ///< of a picture, pixels
@@ -95,12 +96,28 @@ Strip::Strip(const Film &film, const std::string &path)
         Glance::Events{ .taken =
                             [this](gint64 ms, std::string jpeg) {
                               const std::lock_guard lock(mutex_);
-                              glances_[static_cast<std::size_t>(ms / interval_)] = std::move(jpeg);
+                              if (!jpeg.empty())
+                                glances_[static_cast<std::size_t>(ms / interval_)]
+                                    = std::move(jpeg);
                             },
                         .done =
                             [this, film] {
-                              begin(film);
+                              glanced(film);
                             } });
+}
+
+/// Called by GLib, which is C.
+void
+Strip::glanced(const Film &film)
+{
+  try {
+    begin(film);
+  } catch (const std::exception &) {
+    const std::lock_guard lock(mutex_);
+    progress_ = -1;
+  }
+  const std::lock_guard lock(mutex_);
+  has_glanced_ = true;
 }
 
 void
@@ -148,8 +165,10 @@ Strip::begin(const Film &film)
         return static_cast<Strip *>(self)->on_message(message);
       },
       this);
-  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE) {
+    const std::lock_guard lock(mutex_);
     progress_ = -1;
+  }
 }
 
 Strip::~Strip()
@@ -185,10 +204,11 @@ Strip::load()
   g_autoptr(GVariant) kept
       = g_variant_ref_sink(g_variant_new_from_bytes(G_VARIANT_TYPE(kKept), data, FALSE));
   gint64 interval = 0;
+  gint64 until = 0;
   g_autoptr(GVariant) pictures = nullptr;
   g_autoptr(GVariant) peaks = nullptr;
   g_autoptr(GVariant) cuts = nullptr;
-  g_variant_get(kept, "(x@aay@ay@axx)", &interval, &pictures, &peaks, &cuts, &cuts_.until);
+  g_variant_get(kept, "(x@aay@ay@axx)", &interval, &pictures, &peaks, &cuts, &until);
   const auto bytes_of = [](GVariant *array) {
     gsize size = 0;
     const auto *first
@@ -206,7 +226,7 @@ Strip::load()
   gsize size = 0;
   const auto *times
       = static_cast<const gint64 *>(g_variant_get_fixed_array(cuts, &size, sizeof(gint64)));
-  cuts_.times.assign(times, times + size);
+  cuts_ = { .times = { times, times + size }, .until = until };
   return true;
 }
 
@@ -304,8 +324,9 @@ std::size_t
 Strip::shown() const
 {
   const std::lock_guard lock(mutex_);
-  return glances_.empty() ? pictures_.size()
-                          : std::max(pictures_.size(), std::min(total(), kMostPictures));
+  return has_glanced_ && !glances_.empty()
+             ? std::max(pictures_.size(), std::min(total(), kMostPictures))
+             : pictures_.size();
 }
 
 std::size_t

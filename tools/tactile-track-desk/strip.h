@@ -60,6 +60,7 @@ public:
 private:
   class Eye; ///< sees cuts
 
+  void glanced(const Film &film);
   void begin(const Film &film);
   bool load();
   void keep() const;
@@ -79,6 +80,7 @@ private:
   mutable std::mutex mutex_;
   std::vector<std::string> pictures_;
   std::map<std::size_t, std::string> glances_; ///< by index
+  bool has_glanced_ = false;
   std::string peaks_;
   Cuts cuts_;
   double progress_ = 0;

@@ -221,6 +221,7 @@ private:
         failure = error.what();
       }
     }
+    later_.clear();
     finished_(*this, failure);
   }
 

@@ -12,6 +12,9 @@ namespace {
 /// Without a frame for so long, a film has stalled.
 constexpr guint kStalled = 15; // s, or up to twice as long
 
+/// Looks for a stall until a part must have begun.
+constexpr int kMostEmpty = 4;
+
 constexpr Time kBefore = std::chrono::minutes(1);
 
 } // namespace
@@ -103,7 +106,8 @@ gboolean
 FilmPart::look_for_stall()
 {
   const std::size_t frames = frames_;
-  if (frames == 0 || std::exchange(seen_, frames) != frames)
+  const bool begins = frames == 0 && (span_.begin == Time(0) || ++empty_looks_ < kMostEmpty);
+  if (begins || (frames > 0 && std::exchange(seen_, frames) != frames))
     return G_SOURCE_CONTINUE;
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
   g_autoptr(GError) error = g_error_new(GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
@@ -136,7 +140,8 @@ FilmPart::on_message(GstMessage *message)
     return G_SOURCE_CONTINUE;
   }
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-  if (failure.empty() && frames_ == 0)
+  // The picture may end before the film does.
+  if (failure.empty() && frames_ == 0 && span_.begin == Time(0))
     failure = "no frame can be decoded";
   else if (failure.empty()
            && ((span_.begin == Time(0) && position_.load() == 0) || (frames_ > 1 && !advances_)))

@@ -55,6 +55,12 @@ public:
   {
     return probe_ != nullptr || search_ != nullptr || reader_ != nullptr;
   }
+  /// Whether step() has something to do at a position that stands.
+  bool is_busy(follow::Time position) const
+  {
+    return probe_ != nullptr || search_ != nullptr
+           || (reader_ != nullptr && !reader_->is_far_ahead(position));
+  }
   /// The source of the track, such as "a draft"; empty: none.
   const std::string &what() const
   {

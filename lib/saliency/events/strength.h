@@ -12,7 +12,7 @@ class Strength
 {
 public:
   /// ΔE: the quantile in usual films.
-  static constexpr double kUsual = 18;
+  static constexpr double kUsual = 30;
 
   /// The strength, ≥ 0, of events of `energy` in ΔE (EventMap::energy), `elapsed` frames at 30 fps
   /// after the last ones.

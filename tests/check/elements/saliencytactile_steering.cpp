@@ -322,6 +322,47 @@ GST_START_TEST(test_viewport)
 }
 GST_END_TEST;
 
+/// The camera pans over a texture. With camera=gentle a wave runs to the right, weaker than events,
+/// and the disc that appears is felt as without.
+GST_START_TEST(test_camera)
+{
+  const auto picture = [](guint i) -> Paint {
+    return [i](int x, int y) {
+      if (i >= 60 && std::hypot(x - 200, y - 120) < 20)
+        return 250;
+      const double there = x + 4.0 * i;
+      return static_cast<int>(110 + 25 * std::sin(there / 17) + 20 * std::sin(y / 13.0 + there / 41)
+                              + 15 * std::sin(y / 29.0 - there / 23));
+    };
+  };
+  Analysis off("saliencytactile", kCaps);
+  Analysis gentle("saliencytactile camera=gentle", kCaps);
+  bool event = false;
+  std::vector<std::size_t> crests; // in the order of time
+  for (guint i = 0; i < 75; i++) {
+    const std::vector<gfloat> plain = off.felt(frame(i, picture(i)));
+    const std::vector<gfloat> waved = gentle.felt(frame(i, picture(i)));
+    if (any(plain)) {
+      fail_unless(i >= 60, "felt at %u", i);
+      fail_unless(waved == plain);
+      event = true;
+      continue;
+    }
+    fail_unless(std::ranges::max(waved) < 0.3F);
+    if (i >= 20 && i < 60) {
+      fail_unless(any(waved), "silent at %u", i);
+      const std::size_t column = strongest(waved) % 3;
+      if (crests.empty() || crests.back() != column)
+        crests.push_back(column);
+    }
+  }
+  fail_unless(event);
+  fail_unless(crests.size() >= 3);
+  for (std::size_t i = 1; i < crests.size(); i++)
+    ck_assert_uint_eq(crests[i], (crests[i - 1] + 1) % 3);
+}
+GST_END_TEST;
+
 /// A square that stays plays for max-cue-duration, and again after any kind of discontinuity. The
 /// same holds if maps are repeated between analyses.
 GST_START_TEST(test_cue_duration)
@@ -413,6 +454,7 @@ saliencytactile_steering_suite(void)
   tcase_add_test(cases, test_face_detector);
   tcase_add_test(cases, test_weights_as_text);
   tcase_add_test(cases, test_viewport);
+  tcase_add_test(cases, test_camera);
   tcase_add_test(cases, test_cue_duration);
   tcase_add_test(cases, test_cue_refractory);
   tcase_add_test(cases, test_set_from_another_thread);
