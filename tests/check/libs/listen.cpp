@@ -146,41 +146,6 @@ GST_START_TEST(test_delay)
 }
 GST_END_TEST;
 
-/// Sound that begins anywhere has the film's peaks from its first second on, also where high
-/// frequencies are weak.
-GST_START_TEST(test_first_second)
-{
-  Sound sound = film(3, listen::kRate, 1, 14);
-  for (int twice = 0; twice < 2; twice++) {
-    float low = 0;
-    for (float &sample : sound)
-      sample = low += 0.1F * (sample - low);
-  }
-  const auto peaks = [&](int seconds) {
-    listen::PeakFinder finder(listen::kFilmPeaks);
-    finder.add(from(sound, seconds, listen::kRate));
-    return finder.take();
-  };
-  const std::vector<listen::Peak> all = peaks(0);
-  constexpr std::int64_t kBegin = 625; // frames in 10 s
-  int count = 0;
-  int same = 0;
-  for (const listen::Peak &peak : peaks(10)) {
-    if (peak.frame < 8 || peak.frame >= 62)
-      continue;
-    count++;
-    same += std::ranges::any_of(all,
-                                [&](const listen::Peak &other) {
-                                  return other.frame == peak.frame + kBegin
-                                         && std::abs(other.bin - peak.bin) < 0.5;
-                                })
-                ? 1
-                : 0;
-  }
-  fail_unless(count > 10 && same * 3 > count * 2, "%d of %d", same, count);
-}
-GST_END_TEST;
-
 /// Of a steady noise, louder onsets have more weight than those within it.
 GST_START_TEST(test_weights)
 {
@@ -462,7 +427,6 @@ listen_suite()
   TCase *tcase = tcase_create("general");
   tcase_set_timeout(tcase, 0);
   tcase_add_test(tcase, test_delay);
-  tcase_add_test(tcase, test_first_second);
   tcase_add_test(tcase, test_weights);
   tcase_add_test(tcase, test_any_rate);
   tcase_add_test(tcase, test_television);
