@@ -26,7 +26,8 @@ FOLLOW, TRACK = os.environ["FOLLOW"], os.environ["TRACK"]
 STRETCH = int(sys.argv[1]) if len(sys.argv) > 1 else 30
 SETTLING = 5  # s, after it was found
 SEEK = 20  # s
-FILM = 2 * (STRETCH + SETTLING + 15) + SEEK
+FINDING = 12  # s, at most
+FILM = 2 * (STRETCH + SETTLING + FINDING + 3) + SEEK
 NOISE = {"silence": None, "pink noise, +10 dB": 10, "pink noise, 0 dB": 0}
 
 
@@ -66,7 +67,7 @@ class Stage:
 
     def follow(self, name, *words):
         with open(self.folder / f"{name}.log", "w", encoding="utf-8") as log:
-            self.start(FOLLOW, "--driver=simulator", f"--trace={self.folder / name}.csv", f"--tracks={self.folder / 'tracks'}", "--no-drafts", *words, stderr=log)
+            return self.start(FOLLOW, "--driver=simulator", f"--trace={self.folder / name}.csv", f"--tracks={self.folder / 'tracks'}", "--no-drafts", *words, stderr=log)
 
     def said(self, name):
         return (self.folder / f"{name}.log").read_text(encoding="utf-8")
@@ -106,17 +107,20 @@ def watch(noise, level):
     stage = Stage(folder, 0.4)
     try:
         player = Mpv(folder / "film.mkv", stage)
-        stage.follow("ear", "--listen=null.monitor", "--mpv=/nowhere")
-        stage.follow("report", *player.how)
+        followers = [stage.follow("ear", "--listen=null.monitor", "--mpv=/nowhere"), stage.follow("report", *player.how)]
         wait_until("the listener", lambda: "listens to 'null.monitor'" in stage.said("ear"))
+        events = []
         for event, act in (("start", player.play), ("seek", lambda: player.seek(SEEK))):
-            before = len(onsets(read_trace(folder / "ear.csv"))) if (folder / "ear.csv").exists() else 0
             at = act()
-            wait_until(f"a pulse after the {event}", lambda: (folder / "ear.csv").exists() and any(
-                effect > at + (0 if event == "start" else 2.5) for effect in onsets(read_trace(folder / "ear.csv"))[before:]))
-            first = next(effect for effect in onsets(read_trace(folder / "ear.csv"))[before:] if effect > at + (0 if event == "start" else 2.5))
+            events.append((event, at))
+            wait_until("the stretch", lambda: time.monotonic() > at + FINDING + SETTLING + STRETCH, FINDING + SETTLING + STRETCH + LATEST)
+        for follower in followers:  # the traces are whole
+            follower.terminate()
+            assert follower.wait(LATEST) == 0, stage.said("ear")
+        for event, at in events:
+            # Pulses on their way when the film seeks are not of its new place.
+            first = next(effect for effect in onsets(read_trace(folder / "ear.csv")) if effect > at + (0 if event == "start" else 2.5))
             begin = first + SETTLING
-            wait_until("the stretch", lambda: time.monotonic() > begin + STRETCH + 1, STRETCH + SETTLING + LATEST)
             row(noise, event, [first - at, *(stage.errors(name, begin, begin + STRETCH) for name in ("ear", "report"))])
     finally:
         stage.stop()
