@@ -22,6 +22,10 @@
  * voices, has no place. Low frequency effects, mono and sounds that differ between left and
  * right are felt everywhere.
  *
+ * ## Frequency
+ * Maps have the sound's own frequency from 20 to 130 Hz, or up to 300 Hz where it has no bass, for
+ * actuators that have a choice.
+ *
  * ## Time
  * A map is known once the sound 10.6 ms after its end is in (at 48 kHz). With the map's own length
  * that is the latency of the `tactile` pad; `src` has none. Put a queue on each branch, as behind a
@@ -31,7 +35,8 @@
  * ## With the picture
  * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
  * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
- * Their `sound` then says what is felt, and 400 ms of sound wait here unless the source is live.
+ * Their `sound` then says what is felt, and 480 ms of sound wait here unless the source is live. In
+ * them, impacts differ more from music.
  * More is in [Sound joins in](../guide/sound.md).
  *
  * ## Example launch lines
@@ -76,8 +81,8 @@ using Settings = SoundReader::Settings;
 
 /// How much sound that a chair beside it feels waits behind the analysis: the chair needs its maps
 /// 190 ms before they are heard and two frames ahead, and sinks take sound no earlier than they
-/// have to.
-constexpr GstClockTime kAhead = 400 * GST_MSECOND;
+/// have to. The analysis looks 100 ms ahead.
+constexpr GstClockTime kAhead = 480 * GST_MSECOND;
 
 struct Private
 {
@@ -176,6 +181,7 @@ map_sink(GstSoundTactile *self)
     };
   return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
     GstBuffer *buffer = gst_tactile_map_buffer_new(map.levels.data(), map.levels.size());
+    gst_buffer_set_tactile_frequency(buffer, map.frequency);
     GST_BUFFER_PTS(buffer) = begin;
     GST_BUFFER_DURATION(buffer) = end - begin;
     const bool sounds = !tactile::is_silent(map);
@@ -221,6 +227,10 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
     priv->used.feel.gain_db += profile->gain_db;
     priv->used.feel.impacts &= profile->impacts;
     priv->used.feel.rumble &= profile->rumble;
+  }
+  if (const bool holds = joined(self) && !priv->is_live; holds != priv->reader.looks_ahead()) {
+    drain(self);
+    priv->reader.look_ahead(holds);
   }
   agree_on_grid(self);
   priv->flow = priv->pads->maps_flow();

@@ -62,15 +62,29 @@ SoundReader::set_format(const GstAudioInfo &info, int rows, int columns)
       || GST_AUDIO_INFO_RATE(&info) < sound::SoundAnalyzer::kLowestRate
       || GST_AUDIO_INFO_RATE(&info) > sound::SoundAnalyzer::kHighestRate)
     return false;
-  std::vector<sound::Speaker> speakers;
-  for (gsize c = 0; c < channels; c++)
-    speakers.push_back(GST_AUDIO_INFO_IS_UNPOSITIONED(&info)
-                           ? sound::kCenter
-                           : speaker(GST_AUDIO_INFO_POSITION(&info, c)));
-  analyzer_.emplace(GST_AUDIO_INFO_RATE(&info), speakers);
+  make_analyzer();
   frames_.resize(kBlock * channels);
   unpacked_.resize(kBlock * channels * sizeof(gdouble));
   return true;
+}
+
+void
+SoundReader::make_analyzer()
+{
+  std::vector<sound::Speaker> speakers;
+  for (guint c = 0; c < static_cast<guint>(GST_AUDIO_INFO_CHANNELS(&info_)); c++)
+    speakers.push_back(GST_AUDIO_INFO_IS_UNPOSITIONED(&info_)
+                           ? sound::kCenter
+                           : speaker(GST_AUDIO_INFO_POSITION(&info_, c)));
+  analyzer_.emplace(GST_AUDIO_INFO_RATE(&info_), speakers, looks_ahead_);
+}
+
+void
+SoundReader::look_ahead(bool looks_ahead)
+{
+  looks_ahead_ = looks_ahead;
+  if (analyzer_)
+    make_analyzer();
 }
 
 void
@@ -94,10 +108,18 @@ SoundReader::reset()
 {
   if (analyzer_)
     analyzer_->reset();
-  std::ranges::fill(map_.levels, 0.0F);
+  clear();
   base_ = GST_CLOCK_TIME_NONE;
   count_ = 0;
   number_ = 0;
+}
+
+void
+SoundReader::clear()
+{
+  std::ranges::fill(map_.levels, 0.0F);
+  map_.frequency = 0;
+  strongest_ = 0;
 }
 
 GstClockTime
@@ -139,6 +161,10 @@ SoundReader::feel(std::span<const sound::Moment> moments, const Settings &settin
 {
   for (const sound::Moment &moment : moments) {
     const auto begin = static_cast<GstClockTime>(moment.begin.count());
+    if (moment.level > strongest_) {
+      strongest_ = moment.level;
+      map_.frequency = moment.frequency;
+    }
     if (moment.level > 0)
       sound::raise(map_, moment.place, analyzer_->has_rear(), moment.level);
     const GstClockTime end = slot(number_ + 1, settings.maps_per_second);
@@ -146,7 +172,7 @@ SoundReader::feel(std::span<const sound::Moment> moments, const Settings &settin
       continue;
     sink(map_, base_ + slot(number_, settings.maps_per_second), base_ + end);
     number_++;
-    std::ranges::fill(map_.levels, 0.0F);
+    clear();
   }
 }
 

@@ -31,6 +31,14 @@ public:
   /// Maps have this grid from now on. After drain().
   void set_grid(int rows, int columns);
 
+  /// From now on, knows impacts 80 ms later and better, or not. After drain().
+  void look_ahead(bool looks_ahead);
+
+  bool looks_ahead() const
+  {
+    return looks_ahead_;
+  }
+
   /// Time between the end of a map and the sound that has to be in before it is known, plus the
   /// length of a map; 0 without a format.
   GstClockTime latency(guint maps_per_second) const;
@@ -45,15 +53,20 @@ public:
   void reset();
 
 private:
+  void clear();
   void convert(const GstAudioBuffer &audio, gsize first, gsize count);
   void feel(std::span<const sound::Moment> moments, const Settings &settings, const MapSink &sink);
   GstClockTime slot(gint64 number, guint maps_per_second) const;
 
+  void make_analyzer();
+
   GstAudioInfo info_{};
+  bool looks_ahead_ = false;
   std::optional<sound::SoundAnalyzer> analyzer_;
   std::vector<guint8> unpacked_; ///< a block of one channel or of all
   std::vector<float> frames_;    ///< a block, interleaved
   tactile::TactileMap map_;      ///< of the current slot
+  float strongest_ = 0;          ///< level of its moments
   GstClockTime base_ = GST_CLOCK_TIME_NONE;
   guint64 count_ = 0; ///< frames since base_
   gint64 number_ = 0; ///< slots since base_

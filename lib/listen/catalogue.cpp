@@ -11,7 +11,8 @@ namespace listen {
 
 namespace {
 
-constexpr std::size_t kMostVotes = std::size_t{ 32 } << 20; ///< 128 MiB, twice
+constexpr std::size_t kMostVotes = std::size_t{ 32 } << 20;
+constexpr std::size_t kVotesAtOnce = std::size_t{ 2 } << 20; ///< 8 MiB, twice
 constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
 
 /// Sorts in three rounds of 11 bits.
@@ -28,6 +29,40 @@ sort_by_radix(std::vector<std::uint32_t> &values)
     for (const std::uint32_t value : values)
       other[ends[value >> shift & 2047U]++] = value;
     values.swap(other);
+  }
+}
+
+/// Votes for one place differ by less, in units.
+constexpr std::uint32_t kSpread = 3;
+
+/// Adds the places with the most votes to a heap of at most `most`, the least first.
+void
+count_votes(std::span<const std::uint32_t> votes, std::size_t most,
+            std::vector<std::pair<int, std::uint32_t>> &best)
+{
+  const auto greater = std::greater<std::pair<int, std::uint32_t>>();
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end < votes.size(); end++) {
+    while (votes[end] - votes[begin] >= kSpread)
+      begin++;
+    const auto count = static_cast<int>(end - begin + 1);
+    if (count < 2 || (best.size() >= most && count <= best.front().first))
+      continue;
+    const std::uint32_t middle = votes[begin + (end - begin) / 2];
+    const auto same = std::ranges::find_if(
+        best, [&](const auto &one) { return middle - one.second + kSpread <= 2 * kSpread; });
+    if (same != best.end()) {
+      if (count > same->first)
+        *same = { count, middle };
+      std::ranges::make_heap(best, greater);
+      continue;
+    }
+    if (best.size() >= most) {
+      std::ranges::pop_heap(best, greater);
+      best.pop_back();
+    }
+    best.emplace_back(count, middle);
+    std::ranges::push_heap(best, greater);
   }
 }
 
@@ -49,6 +84,7 @@ HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
     starts_.push_back(static_cast<std::uint32_t>(start));
     start += units;
   }
+  end_ = static_cast<std::uint32_t>(start);
   const std::size_t count = starts_.size();
   unsigned rank = 0;
   while (rank + 1 < kRanks && fits(seconds, rank + 1))
@@ -68,65 +104,57 @@ HashIndex::HashIndex(const std::vector<std::int64_t> &films, const Read &read,
   common_ = std::max<std::size_t>(64, 12 * places_.size() / kValues);
 }
 
-std::vector<Place>
+HashIndex::Found
 HashIndex::search(std::span<const Hash> heard, std::size_t most) const
 {
   if (places_.empty())
     return {};
-  std::vector<std::uint32_t> votes;
-  for (std::size_t common = common_; common > 0; common /= 2) {
-    std::size_t count = 0;
+  const auto places_of = [this](const Hash &hash) {
+    return std::span(places_).subspan(begins_[hash.value],
+                                      begins_[hash.value + 1] - begins_[hash.value]);
+  };
+  std::size_t common = common_;
+  std::size_t count = 0;
+  for (;; common /= 2) {
+    count = 0;
     for (const Hash &hash : heard)
-      if (const std::size_t places = begins_[hash.value + 1] - begins_[hash.value];
-          places <= common)
+      if (const std::size_t places = places_of(hash).size(); places <= common)
         count += places;
-    if (count > kMostVotes)
-      continue;
-    votes.reserve(count);
-    for (const Hash &hash : heard)
-      if (begins_[hash.value + 1] - begins_[hash.value] <= common)
-        for (std::size_t i = begins_[hash.value]; i < begins_[hash.value + 1]; i++)
-          votes.push_back(places_[i] - static_cast<std::uint32_t>(hash.frame / kUnit));
-    break;
+    if (count <= kMostVotes)
+      break;
   }
-  sort_by_radix(votes);
-  std::vector<Place> found;
   std::vector<std::pair<int, std::uint32_t>> best; // a heap, the least first
-  const auto greater = std::greater<std::pair<int, std::uint32_t>>();
-  std::size_t begin = 0;
-  for (std::size_t end = 0; end < votes.size(); end++) {
-    while (votes[end] - votes[begin] > 2)
-      begin++;
-    const auto count = static_cast<int>(end - begin + 1);
-    if (count < 2 || (best.size() >= most && count <= best.front().first))
-      continue;
-    const std::uint32_t middle = votes[begin + (end - begin) / 2];
-    const auto same
-        = std::ranges::find_if(best, [&](const auto &one) { return middle - one.second + 3 <= 6; });
-    if (same != best.end()) {
-      if (count > same->first)
-        *same = { count, middle };
-      std::ranges::make_heap(best, greater);
-      continue;
+  // Stretches of the time line one after another, so that few votes are in memory.
+  const std::uint64_t stretch = end_ / (count / kVotesAtOnce + 1) + 1;
+  std::vector<std::uint32_t> votes;
+  for (std::uint64_t from = 0; from < end_; from += stretch) {
+    votes.clear();
+    for (const Hash &hash : heard) {
+      const auto places = places_of(hash);
+      if (places.size() > common)
+        continue;
+      const auto ago = static_cast<std::uint32_t>(hash.frame / kUnit);
+      const auto until = std::min<std::uint64_t>(from + stretch + kSpread + ago, 0xffff'ffff);
+      for (auto at = std::ranges::lower_bound(places, from + ago);
+           at != places.end() && *at < until; ++at)
+        votes.push_back(*at - ago);
     }
-    if (best.size() >= most) {
-      std::ranges::pop_heap(best, greater);
-      best.pop_back();
-    }
-    best.emplace_back(count, middle);
-    std::ranges::push_heap(best, greater);
+    sort_by_radix(votes);
+    count_votes(votes, most, best);
   }
+  const auto greater = std::greater<std::pair<int, std::uint32_t>>();
+  Found found{ .votes = count };
   std::ranges::sort(best, greater);
-  for (const auto &[count, place] : best) {
+  for (const auto &[fitting, place] : best) {
     // A place may be before the beginning of its film, but nearer to it than to the film before.
     const auto film = std::ranges::upper_bound(starts_, place + kGap / 2) - starts_.begin();
     if (film > 0)
-      found.push_back(
+      found.places.push_back(
           { .film = static_cast<std::size_t>(film - 1),
             .frame = kUnit
                      * (static_cast<std::int64_t>(place)
                         - static_cast<std::int64_t>(starts_[static_cast<std::size_t>(film - 1)])),
-            .votes = count });
+            .votes = fitting });
   }
   return found;
 }

@@ -32,8 +32,13 @@ public:
   HashIndex(const std::vector<std::int64_t> &films, const Read &read, std::size_t most_bytes);
   HashIndex() = default;
 
-  /// The places with the most votes, at most `most`, the best first.
-  std::vector<Place> search(std::span<const Hash> heard, std::size_t most) const;
+  struct Found
+  {
+    std::vector<Place> places{}; ///< the best first
+    std::size_t votes = 0;       ///< of all places: the cost of the search
+  };
+  /// The places with the most votes, at most `most`.
+  Found search(std::span<const Hash> heard, std::size_t most) const;
 
   /// Films that had room; the others are not found.
   std::size_t films() const
@@ -50,6 +55,7 @@ private:
   static constexpr std::int64_t kGap = 2048; ///< units between films: longer than the heard sound
 
   std::vector<std::uint32_t> starts_; ///< begins of the films, in units
+  std::uint32_t end_ = 0;             ///< of the last film
   std::vector<std::uint32_t> begins_; ///< begins of each value's places in places_
   std::vector<std::uint32_t> places_; ///< units
   std::size_t common_ = 0;            ///< values with more places are skipped

@@ -15,7 +15,7 @@ reference_steps(std::size_t onsets, double rate, int reach)
 }
 
 Fit
-fit(std::span<const Onset> onsets, std::span<const std::uint8_t> reference, double rate, int reach)
+fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate, int reach)
 {
   const std::size_t steps = reference_steps(onsets.size(), rate, reach);
   const auto places = static_cast<std::size_t>(2 * reach + 1);

@@ -18,10 +18,10 @@ struct Fit
 /// Places more than so many steps from the best one fit by chance: 32 ms.
 inline constexpr int kPeakWidth = 8;
 
-/// Correlates onsets with a reference, the signs() of a film's onsets. `rate`: steps of the
-/// reference for one of the onsets. The reference has reference_steps(onsets.size(), rate, reach)
-/// steps.
-Fit fit(std::span<const Onset> onsets, std::span<const std::uint8_t> reference, double rate,
+/// Correlates changes of onsets, weighted(), with a reference, the signs() of a film's onsets.
+/// `rate`: steps of the reference for one of the onsets. The reference has
+/// reference_steps(onsets.size(), rate, reach) steps.
+Fit fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate,
         int reach);
 
 /// Steps of the reference for places from 0 to 2 · `reach`.

@@ -10,11 +10,11 @@ namespace listen {
 
 namespace {
 
-// Scores. Chance reaches 4.5 in one of ten searches, and 5.5 seldom.
-constexpr double kSure = 7;
-constexpr double kLikely = 5.7;                              ///< if it is so for a while
+// Scores. Chance reaches 4.6 in one of ten searches, 5.3 in one of a hundred, 6.1 in one of 2000.
+constexpr double kSure = 6.6;
+constexpr double kLikely = 5.4;                              ///< if it is so for a while
 constexpr std::int64_t kAWhile = 3 * Onsets::kOnsetRate / 2; ///< steps: 1.5 s
-constexpr double kAlike = 0.75; ///< of the best one: another place is as good
+constexpr double kAlike = 0.8; ///< of the best one: another place is as good
 
 } // namespace
 
@@ -25,7 +25,7 @@ Candidate::is_at(const Candidate &other) const
 }
 
 std::optional<Candidate>
-Decision::take(std::span<const Candidate> found, std::span<const double> rates, std::int64_t now)
+Decision::take(std::span<const Candidate> found, std::int64_t now)
 {
   const auto best = std::ranges::max_element(found, {}, &Candidate::score);
   const bool is_likely = best != found.end() && best->score >= kLikely
@@ -33,9 +33,7 @@ Decision::take(std::span<const Candidate> found, std::span<const double> rates, 
                               return !one.is_at(*best) && one.score > kAlike * best->score;
                             });
   if (!is_likely) {
-    // Each search looks for one of two other rates.
-    if (hope_ && std::ranges::find(rates, hope_->candidate.rate) != rates.end())
-      hope_.reset();
+    hope_.reset();
     return std::nullopt;
   }
   if (!hope_ || !hope_->candidate.is_at(*best))

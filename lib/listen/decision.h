@@ -26,9 +26,8 @@ struct Candidate
 class Decision
 {
 public:
-  /// The places of a search of the sound up to step `now`, at these rates.
-  std::optional<Candidate> take(std::span<const Candidate> found, std::span<const double> rates,
-                                std::int64_t now);
+  /// The places of a search of the sound up to step `now`.
+  std::optional<Candidate> take(std::span<const Candidate> found, std::int64_t now);
   void forget()
   {
     hope_.reset();

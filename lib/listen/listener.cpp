@@ -18,12 +18,13 @@ steps(double seconds)
 
 constexpr std::int64_t kHeld = steps(12);
 constexpr std::int64_t kLooksEvery = steps(0.5);
-constexpr std::int64_t kLeast = steps(2); ///< shortest sound for a search
-constexpr std::int64_t kMost = steps(10); ///< longest sound for a search
-constexpr std::size_t kPlaces = 24;       ///< found by a search and compared
-constexpr int kReach = 75;                ///< steps compared on each side of a place
-constexpr double kStill = 5;              ///< least score while the film continues
-constexpr double kNear = 12;              ///< most steps by which the origin moves
+constexpr std::size_t kVotesAStep = 25'000; ///< a tenth of a core counts so many
+constexpr std::int64_t kLeast = steps(2);   ///< shortest sound for a search
+constexpr std::int64_t kMost = steps(10);   ///< longest sound for a search
+constexpr std::size_t kPlaces = 24;         ///< found by a search and compared
+constexpr int kReach = 75;                  ///< steps compared on each side of a place
+constexpr double kStill = 5;                ///< least score while the film continues
+constexpr double kNear = 12;                ///< most steps by which the origin moves
 constexpr std::int64_t kWindow = steps(4);
 constexpr int kMostMisses = 6; ///< 3 s
 // The end of a film shows sooner in the newest sound alone, if this sound usually fits.
@@ -52,9 +53,11 @@ Listener::add(std::span<const float> mono, Time at)
 {
   keep_time(mono.size(), at);
   take_sound(mono);
-  if (steps_ - looked_at_ < kLooksEvery || steps_ - fresh_ < kLeast)
+  if (steps_ - looked_at_ < kLooksEvery + static_cast<std::int64_t>(votes_ / kVotesAStep)
+      || steps_ - fresh_ < kLeast)
     return std::nullopt;
   looked_at_ = steps_;
+  votes_ = 0;
   return lock_ ? track() : search();
 }
 
@@ -100,29 +103,34 @@ Listener::take_sound(std::span<const float> mono)
     peaks_.pop_front();
 }
 
-/// Compares the newest onsets with a film. `step`: the estimate of Lock::origin.
-std::optional<Fit>
-Listener::fit_at(std::size_t film, double rate, double step, std::int64_t onsets, int reach) const
+/// Weighted changes of the newest onsets.
+std::vector<Bands>
+Listener::newest(std::int64_t onsets) const
 {
-  const std::size_t count = std::min(static_cast<std::size_t>(onsets), onsets_.size());
-  const std::vector<Onset> newest(onsets_.end() - static_cast<std::ptrdiff_t>(count),
-                                  onsets_.end());
-  const double first = static_cast<double>(steps_ - static_cast<std::int64_t>(count)) * rate;
-  const std::int64_t from = std::llround(step + first) - reach;
+  const auto count = std::min(static_cast<std::ptrdiff_t>(onsets), std::ssize(onsets_));
+  return weighted(std::vector<Onset>(onsets_.end() - count, onsets_.end()));
+}
+
+/// Compares the newest() with a film. `step`: the estimate of Lock::origin.
+std::optional<Fit>
+Listener::fit_at(std::size_t film, double rate, double step, std::span<const Bands> changes) const
+{
+  const double first = static_cast<double>(steps_ - std::ssize(changes)) * rate;
+  const std::int64_t from = std::llround(step + first) - kReach;
   const auto reference
-      = catalogue_.films()[film].reference(from, reference_steps(count, rate, reach));
+      = catalogue_.films()[film].reference(from, reference_steps(changes.size(), rate, kReach));
   if (!reference)
     return std::nullopt;
-  Fit found = fit(newest, *reference, rate, reach);
+  Fit found = fit(changes, *reference, rate, kReach);
   found.step += static_cast<double>(from) - first;
   return found;
 }
 
 void
-Listener::look_up(double rate, std::vector<Candidate> &found) const
+Listener::look_up(double rate, std::span<const Bands> changes, std::vector<Candidate> &found)
 {
-  const std::int64_t from = std::max(fresh_, steps_ - kMost);
-  const double first = static_cast<double>(from) * Onsets::kHop / PeakFinder::kHop;
+  const double first
+      = static_cast<double>(steps_ - std::ssize(changes)) * Onsets::kHop / PeakFinder::kHop;
   std::vector<Peak> peaks;
   for (const Peak &peak : peaks_)
     if (static_cast<double>(peak.frame) >= first) {
@@ -130,22 +138,31 @@ Listener::look_up(double rate, std::vector<Candidate> &found) const
       peaks.back().frame -= static_cast<std::int64_t>(first);
     }
   constexpr double kOfFrame = static_cast<double>(PeakFinder::kHop) / Onsets::kHop; // steps
-  for (const Place &place : catalogue_.index().search(heard_hashes(peaks, rate), kPlaces)) {
+  const HashIndex::Found fitting = catalogue_.index().search(heard_hashes(peaks, rate), kPlaces);
+  votes_ += fitting.votes;
+  for (const Place &place : fitting.places) {
     const double step = (static_cast<double>(place.frame) - std::floor(first) * rate) * kOfFrame;
-    const auto fit = fit_at(place.film, rate, step, steps_ - from, kReach);
+    const auto fit = fit_at(place.film, rate, step, changes);
     if (fit)
       found.push_back({ .film = place.film, .rate = rate, .step = fit->step, .score = fit->score });
   }
 }
 
+/// The longest sound that searches use.
+std::vector<Bands>
+Listener::searched() const
+{
+  return newest(steps_ - std::max(fresh_, steps_ - kMost));
+}
+
 std::optional<Heard>
 Listener::search()
 {
-  const std::array rates{ kRates[0], kRates[static_cast<std::size_t>(1 + round_++ % 2)] };
   std::vector<Candidate> found;
-  for (const double rate : rates)
-    look_up(rate, found);
-  const auto best = decision_.take(found, rates, steps_);
+  const std::vector<Bands> changes = searched();
+  for (const double rate : kRates)
+    look_up(rate, changes, found);
+  const auto best = decision_.take(found, steps_);
   if (!best)
     return std::nullopt;
   lock_ = Lock{
@@ -161,9 +178,9 @@ void
 Listener::look_around()
 {
   std::vector<Candidate> found;
-  look_up(lock_->rate, found);
-  const std::int64_t heard = steps_ - std::max(fresh_, steps_ - kMost);
-  const auto here = fit_at(lock_->film, lock_->rate, lock_->origin, heard, kReach);
+  const std::vector<Bands> changes = searched();
+  look_up(lock_->rate, changes, found);
+  const auto here = fit_at(lock_->film, lock_->rate, lock_->origin, changes);
   const bool is_worse
       = here && std::ranges::any_of(found, [&](const Candidate &one) {
           return one.score > here->score
@@ -182,7 +199,7 @@ Listener::track()
     return search();
   Lock &lock = *lock_;
   const bool there = is_there(lock);
-  const auto found = fit_at(lock.film, lock.rate, lock.origin, kWindow, kReach);
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kWindow));
   const bool fits = found && found->score >= kStill && std::abs(found->step - lock.origin) <= kNear;
   lock.misses = fits ? 0 : lock.misses + 1;
   if (!found || lock.misses > kMostMisses || lock.absent >= kMostAbsent) {
@@ -206,7 +223,7 @@ Listener::track()
 bool
 Listener::is_there(Lock &lock) const
 {
-  const auto found = fit_at(lock.film, lock.rate, lock.origin, kShortWindow, kReach);
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kShortWindow));
   const bool fits = found && std::abs(found->step - lock.origin) <= kSame;
   const bool shows = lock.present >= kUsually;
   lock.absent = fits || !shows ? 0 : lock.absent + 1;

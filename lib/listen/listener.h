@@ -27,7 +27,8 @@ struct Heard
 
 /// Detects the film that plays and its position, twice a second. A search compares the sound with
 /// all films, also at the speeds 25/24 and 24/25; after a find, the sound is compared with this
-/// film alone. Sound is dropped after 12 seconds. Reads no clock; not thread-safe.
+/// film alone. A large catalogue is searched less often. Sound is dropped after 12 seconds. Reads
+/// no clock; not thread-safe.
 class Listener
 {
 public:
@@ -59,12 +60,14 @@ private:
   void keep_time(std::size_t count, Time at);
   void take_sound(std::span<const float> mono);
   std::optional<Heard> search();
-  void look_up(double rate, std::vector<Candidate> &found) const;
+  std::vector<Bands> newest(std::int64_t onsets) const;
+  std::vector<Bands> searched() const;
+  void look_up(double rate, std::span<const Bands> changes, std::vector<Candidate> &found);
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
   void look_around();
-  std::optional<Fit> fit_at(std::size_t film, double rate, double step, std::int64_t onsets,
-                            int reach) const;
+  std::optional<Fit> fit_at(std::size_t film, double rate, double step,
+                            std::span<const Bands> changes) const;
   Heard heard(const Lock &lock, double score) const;
   void forget();
 
@@ -81,7 +84,7 @@ private:
   std::int64_t steps_ = 0;     ///< onsets so far
   std::int64_t fresh_ = 0;     ///< step from which on searches use the sound
   std::int64_t looked_at_ = 0; ///< step
-  int round_ = 0;
+  std::size_t votes_ = 0;      ///< of the last search
   Decision decision_;
   std::optional<Lock> lock_;
 };

@@ -16,6 +16,11 @@ constexpr double kQuality = 2;
 constexpr float kFaint = 1e-10F; ///< power, −100 dB
 constexpr int kDelay = 2;        ///< of an onset, in steps
 constexpr float kForgets = 0.008F;
+// Weights of changes, by their level above the one that a third of them do not exceed.
+constexpr float kOfFloor = 0.5F;
+constexpr float kOfLevel = 1.0F / 3; ///< of log power
+constexpr float kLeast = 0.15F;
+constexpr float kMost = 1.5F;
 
 } // namespace
 
@@ -62,7 +67,7 @@ Onsets::add(std::span<const float> samples)
 void
 Onsets::add_power()
 {
-  Onset onset;
+  Onset onset{};
   for (std::size_t band = 0; band < kBands; band++) {
     auto &levels = levels_[band];
     std::shift_left(levels.begin(), levels.end(), 1);
@@ -70,7 +75,8 @@ Onsets::add_power()
     const auto last = levels.end();
     const float change = (last[-1] + last[-2]) - (last[-3] + last[-4]);
     mean_[band] += (std::abs(change) - mean_[band]) * kForgets;
-    onset[band] = std::clamp(change / (2 * mean_[band] + 1e-3F), -1.0F, 1.0F);
+    onset.change[band] = std::clamp(change / (2 * mean_[band] + 1e-3F), -1.0F, 1.0F);
+    onset.level[band] = (last[-1] + last[-2] + last[-3] + last[-4]) / 4;
   }
   if (++count_ >= kDelay)
     found_.push_back(onset);
@@ -87,8 +93,26 @@ signs(const Onset &onset)
 {
   std::uint8_t bits = 0;
   for (std::size_t band = 0; band < kBands; band++)
-    bits |= static_cast<std::uint8_t>((onset[band] > 0 ? 1U : 0U) << band);
+    bits |= static_cast<std::uint8_t>((onset.change[band] > 0 ? 1U : 0U) << band);
   return bits;
+}
+
+std::vector<Bands>
+weighted(std::span<const Onset> onsets)
+{
+  std::vector<Bands> changes(onsets.size());
+  std::vector<float> levels(onsets.size());
+  for (std::size_t band = 0; band < kBands; band++) {
+    std::ranges::transform(onsets, levels.begin(),
+                           [&](const Onset &one) { return one.level[band]; });
+    const auto third = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 3);
+    std::ranges::nth_element(levels, third);
+    for (std::size_t n = 0; n < onsets.size(); n++)
+      changes[n][band]
+          = onsets[n].change[band]
+            * std::clamp(kOfFloor + kOfLevel * (onsets[n].level[band] - *third), kLeast, kMost);
+  }
+  return changes;
 }
 
 } // namespace listen

@@ -13,8 +13,15 @@ namespace listen {
 
 inline constexpr std::size_t kBands = 8;
 
-/// The change of loudness in each band, from −1 to 1.
-using Onset = std::array<float, kBands>;
+/// A number of each band.
+using Bands = std::array<float, kBands>;
+
+/// The change of loudness in each band.
+struct Onset
+{
+  Bands change; ///< from −1 to 1
+  Bands level;  ///< of loudness: log of power
+};
 
 /// Computes kOnsetRate onsets a second from sound at kRate. A film's reference has only their
 /// signs, from which the sound cannot be restored.
@@ -58,5 +65,9 @@ private:
 
 /// The signs of an onset, a bit for each band.
 std::uint8_t signs(const Onset &onset);
+
+/// Changes with weights: those at a level that the band exceeds most of the time count least,
+/// because they may be those of a noise.
+std::vector<Bands> weighted(std::span<const Onset> onsets);
 
 } // namespace listen

@@ -10,7 +10,7 @@ namespace listen {
 
 namespace {
 
-constexpr float kForgets = 0.016F; ///< weight of a frame in the average, of a second
+constexpr float kForgets = 0.016F; ///< least weight of a frame in the average, of a second
 constexpr float kFades = 0.1F;     ///< dB a frame
 constexpr float kRange = 60;       ///< dB below the loudest that count
 constexpr float kSilence = -100;   ///< dB
@@ -62,10 +62,13 @@ PeakFinder::add_frame()
   }
   loudest_ = std::max(loudest_ - kFades, loudest);
   const float floor = std::max(loudest_ - kRange, kSilence);
+  // The first frames have equal weights, so that the first second has the peaks that it has in a
+  // longer sound.
+  const float weight = std::max(kForgets, 1.0F / static_cast<float>(frames_ + 1));
   for (std::size_t i = 0; i < kBins; i++) {
     const float level = std::max(row[i], floor);
     row[i] = level - average_[i];
-    average_[i] += (level - average_[i]) * kForgets;
+    average_[i] += (level - average_[i]) * weight;
   }
   Row &most = most_near_[static_cast<std::size_t>(frames_ % kFrames)];
   for (int i = 0; i < kBins; i++)

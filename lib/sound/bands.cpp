@@ -54,7 +54,7 @@ void
 Bands::analyze(BandPowers &powers)
 {
   powers.sum.fill(0);
-  powers.low_peak = 0;
+  powers.low_peak = powers.low_slope = 0;
   bin_powers_.fill(static_cast<float>(kSilence));
   for (std::size_t c = 0; c < channels_.size(); c++) {
     Channel &channel = channels_[c];
@@ -65,6 +65,7 @@ Bands::analyze(BandPowers &powers)
     power[0] = low.deep;
     power[1] = low.bass;
     powers.low_peak += low.peak;
+    powers.low_slope += low.slope;
     for (std::size_t band = 0; band + 1 < kOctaves.size(); band++) {
       const std::size_t end = std::min(kOctaves[band + 1], bins_);
       float sum = 0;

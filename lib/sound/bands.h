@@ -37,8 +37,9 @@ inline constexpr std::array<std::size_t, kBands - kLowBands + 1> kOctaves{
 struct BandPowers
 {
   std::array<Powers, kMaxSpeakers> of{};
-  Powers sum{};        ///< of all channels
-  double low_peak = 0; ///< the largest square of a sample of 18–130 Hz
+  Powers sum{};         ///< of all channels
+  double low_peak = 0;  ///< the largest square of a sample of 18–130 Hz
+  double low_slope = 0; ///< mean square of their differences, of both bands
   /// Unevenness of each octave, dB: the level of the mean power of its bins minus the mean of their
   /// levels: 2.5 of noise, more of tones.
   Powers uneven{};

@@ -69,9 +69,10 @@ class LowBands
 public:
   struct Powers
   {
-    double deep = 0; ///< 18–65 Hz, mean square
-    double bass = 0; ///< 65–130 Hz
-    double peak = 0; ///< the largest square of a sample of both
+    double deep = 0;  ///< 18–65 Hz, mean square
+    double bass = 0;  ///< 65–130 Hz
+    double peak = 0;  ///< the largest square of a sample of both
+    double slope = 0; ///< sum of both bands' mean squares of differences of neighboring samples
   };
 
   void add(double sample)
@@ -82,12 +83,17 @@ public:
     sums_.deep += deep * deep;
     sums_.bass += bass * bass;
     sums_.peak = std::max(sums_.peak, (deep + bass) * (deep + bass));
+    sums_.slope += (deep - last_deep_) * (deep - last_deep_);
+    sums_.slope += (bass - last_bass_) * (bass - last_bass_);
+    last_deep_ = deep;
+    last_bass_ = bass;
   }
 
   /// The powers since the last call.
   Powers take(int samples)
   {
-    const Powers result{ sums_.deep / samples, sums_.bass / samples, sums_.peak };
+    const Powers result{ sums_.deep / samples, sums_.bass / samples, sums_.peak,
+                         sums_.slope / samples };
     sums_ = {};
     floor_.settle();
     for (Biquad &section : deep_)
@@ -114,6 +120,8 @@ private:
                                Biquad(Biquad::Kind::low_pass, 130, kFirst),
                                Biquad(Biquad::Kind::low_pass, 130, kSecond) };
   Powers sums_;
+  double last_deep_ = 0;
+  double last_bass_ = 0;
 };
 
 } // namespace sound

@@ -14,15 +14,17 @@ public:
   /// No second onset within this time.
   static constexpr int kDeadHops = 30;
 
-  static constexpr int kAhead = OnsetFeatures::kAhead;
+  /// `looks_ahead`: knows 80 ms later, and better.
+  explicit OnsetDetector(bool looks_ahead);
 
-  OnsetDetector()
+  /// Takes the next hop. Returns whether an impact with more than the least score, plus `more`,
+  /// begins in the hop ahead() before it.
+  bool add(const BandPowers &powers, float more);
+
+  int ahead() const
   {
-    reset();
+    return features_.ahead();
   }
-
-  /// Takes the next hop. Returns whether an impact begins in the hop kAhead before it.
-  bool add(const BandPowers &powers);
 
   /// Powers in the 50 ms before the hop of the last add(), the largest of each band.
   const Powers &before() const
@@ -33,6 +35,13 @@ public:
   void reset();
 
 private:
+  bool looks_ahead() const
+  {
+    return ahead() > OnsetFeatures::kAhead;
+  }
+
+  float score() const;
+
   OnsetFeatures features_;
   std::array<float, 3> scores_{}; ///< of the newest hops: an impact in one of them alone is chance
   int dead_ = 0;                  ///< hops until the next onset may come

@@ -35,7 +35,7 @@ follow_quantile(float &quantile, float level, float part, float rate)
 
 } // namespace
 
-OnsetFeatures::OnsetFeatures()
+OnsetFeatures::OnsetFeatures(bool looks_ahead) : looks_ahead_(looks_ahead)
 {
   reset();
 }
@@ -46,12 +46,26 @@ OnsetFeatures::hop(int ago) const
   return hops_[static_cast<std::size_t>((newest_ - ago + kHeld) % kHeld)];
 }
 
+const OnsetFeatures::Rise &
+OnsetFeatures::ours() const
+{
+  return rises_[(newest_rise_ + (looks_ahead_ ? 1 : 0)) % rises_.size()];
+}
+
 bool
 OnsetFeatures::add(const BandPowers &powers)
 {
   follow(powers);
   known_ = std::min(known_ + 1, kHeld);
-  return compare() && known_ > kPast;
+  newest_rise_ = (newest_rise_ + 1) % rises_.size();
+  Rise &newest = rises_[newest_rise_];
+  newest.is_any = compare(newest) && known_ > kPast;
+  if (!looks_ahead_)
+    return newest.is_any;
+  Rise &oldest = rises_[(newest_rise_ + 1) % rises_.size()];
+  if (oldest.is_any)
+    compare_later(oldest);
+  return oldest.is_any;
 }
 
 void
@@ -90,10 +104,12 @@ OnsetFeatures::follow(const BandPowers &powers)
 }
 
 bool
-OnsetFeatures::compare()
+OnsetFeatures::compare(Rise &rise)
 {
-  Levels now = hop(0).db;
-  Levels past = hop(kGap).db;
+  Levels &now = rise.now;
+  Levels &past = rise.past;
+  now = hop(0).db;
+  past = hop(kGap).db;
   std::array<float, kFine> fine_now = hop(0).fine;
   std::array<float, kFine> fine_past = hop(kGap).fine;
   for (int ago = 1; ago < kNow; ago++)
@@ -133,7 +149,7 @@ OnsetFeatures::compare()
   if (flux < kLeastFlux)
     return false;
 
-  float *out = features_.data();
+  float *out = rise.features.data();
   const Usual &usual = hop(kGap).usual;
   for (std::size_t i = 0; i < kLevels; i++)
     *out++ = std::clamp(now[i] - past[i], -6.0F, 30.0F);
@@ -182,11 +198,49 @@ OnsetFeatures::compare()
   *out++ = std::clamp(now[kWhole] - hop(kGap).loud_voice, -20.0F, 20.0F);
   compare_strokes(shape, out);
 
-  before_.fill(0);
+  rise.before.fill(0);
   for (int ago = kGap; ago <= kPast; ago++)
     for (std::size_t band = 0; band < kBands; band++)
-      before_[band] = std::max(before_[band], hop(ago).power[band]);
+      rise.before[band] = std::max(rise.before[band], hop(ago).power[band]);
   return true;
+}
+
+/// How it goes on.
+void
+OnsetFeatures::compare_later(Rise &rise) const
+{
+  Levels soon{};
+  Levels late{};
+  Levels most{};
+  most.fill(kFloor);
+  float voicing = 0;
+  double uneven = 0;
+  for (int ago = 0; ago < kLater; ago++) {
+    for (std::size_t i = 0; i < kLevels; i++) {
+      const float db = hop(ago).db[i];
+      soon[i] += ago >= kLater - 5 ? db / 5 : 0;
+      late[i] += ago < 8 ? db / 8 : 0;
+      most[i] = std::max(most[i], db);
+    }
+    voicing += hop(ago).voicing / kLater;
+    uneven += (hop(ago).uneven[4] + hop(ago).uneven[5] + hop(ago).uneven[6]) / 3 / kLater;
+  }
+  float *out = rise.features.data() + kCount;
+  Levels long_ago = hop(kLongAgo).db;
+  for (int ago = kLongAgo + 1; ago < kHeld; ago++)
+    for (std::size_t i = 0; i < kLevels; i++)
+      long_ago[i] = std::max(long_ago[i], hop(ago).db[i]);
+  for (std::size_t i = 0; i < kLevels; i++)
+    *out++ = std::clamp(rise.now[i] - long_ago[i], -10.0F, 40.0F);
+  *out++ = std::clamp(rise.now[kWhole] - rise.past[kWhole], 0.0F, 60.0F);
+  for (std::size_t i = 0; i < kLevels; i++) {
+    *out++ = std::clamp(soon[i] - rise.now[i], -40.0F, 20.0F);
+    *out++ = std::clamp(late[i] - rise.now[i], -40.0F, 20.0F);
+    *out++ = std::clamp(most[i] - rise.past[i], -10.0F, 40.0F);
+  }
+  *out++ = 10 * voicing;
+  *out++ = static_cast<float>(std::min(uneven, 20.0));
+  *out++ = *std::max_element(fluxes_.begin(), fluxes_.begin() + 11);
 }
 
 /// The greatest rise within 50 ms is a stroke, once it is over.
@@ -256,6 +310,7 @@ OnsetFeatures::reset()
   shapes_.fill({});
   flux_95_ = flux_99_ = flux_most_ = 0;
   newest_stroke_ = 0;
+  rises_.fill({});
 }
 
 } // namespace sound

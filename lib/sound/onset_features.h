@@ -16,26 +16,40 @@ namespace sound {
 class OnsetFeatures
 {
 public:
-  /// Hops after a moment that its features need.
+  /// Hops after a moment that its features need, and more hops with which kLaterCount more
+  /// features are known.
   static constexpr int kAhead = 2;
+  static constexpr int kLater = 16;
 
-  static constexpr int kCount = 99;
+  static constexpr std::size_t kCount = 99;
+  static constexpr std::size_t kLaterCount = 40;
 
-  OnsetFeatures();
+  explicit OnsetFeatures(bool looks_ahead);
 
-  /// Takes the next hop. Returns whether anything rises around the hop kAhead before it.
+  /// Takes the next hop. Returns whether anything rises around the hop ahead() before it.
   bool add(const BandPowers &powers);
 
-  /// The features of that hop, after add() was true.
-  std::span<const float, kCount> features() const
+  int ahead() const
   {
-    return features_;
+    return kAhead + (looks_ahead_ ? kLater : 0);
+  }
+
+  /// The features of that hop, after add() was true.
+  std::span<const float> features() const
+  {
+    return std::span(ours().features).first(looks_ahead_ ? kCount + kLaterCount : kCount);
+  }
+
+  /// How far all of it is above all of the 50 ms before.
+  float rise_db() const
+  {
+    return ours().now[kWhole] - ours().past[kWhole];
   }
 
   /// Powers in the last 50 ms before an impact at that hop, the largest of each band.
   const Powers &before() const
   {
-    return before_;
+    return ours().before;
   }
 
   void reset();
@@ -46,7 +60,9 @@ public:
   static constexpr int kPast = 15;
 
 private:
-  static constexpr int kHeld = kPast + 1;
+  /// Hops from here to the oldest are the past of a slow rise, kLater hops later.
+  static constexpr int kLongAgo = kLater + 24;
+  static constexpr int kHeld = kLongAgo + 16;
   static constexpr std::size_t kFine = 12;      ///< bands of single bins' mean levels
   static constexpr std::size_t kWhole = kBands; ///< index of all bands' level
   static constexpr std::size_t kLevels = kWhole + 1;
@@ -75,12 +91,24 @@ private:
     float loud_voice = -60; ///< dB of the loudest vowel; forgotten by 10 dB a second
   };
 
+  /// A moment, and its levels.
+  struct Rise
+  {
+    bool is_any = false;
+    Levels now{};
+    Levels past{};
+    Powers before{};
+    std::array<float, kCount + kLaterCount> features{};
+  };
+
   using Shape = std::array<float, kLowBands + kFine>; ///< levels of fine bands, dB
   static constexpr std::size_t kStrokes = 32;
 
   const Hop &hop(int ago) const;
+  const Rise &ours() const;
   void follow(const BandPowers &powers);
-  bool compare();
+  bool compare(Rise &rise);
+  void compare_later(Rise &rise) const;
   void remember(const Shape &shape);
   void compare_strokes(const Shape &shape, float *out) const;
 
@@ -94,8 +122,9 @@ private:
   std::array<Shape, kPast> shapes_{}; ///< of the same hops
   std::array<Shape, kStrokes> strokes_{};
   std::size_t newest_stroke_ = 0; ///< how many there were
-  std::array<float, kCount> features_{};
-  Powers before_{};
+  bool looks_ahead_;
+  std::array<Rise, kLater + 1> rises_{}; ///< of the last hops
+  std::size_t newest_rise_ = 0;
 };
 
 } // namespace sound

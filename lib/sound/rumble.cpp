@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace sound {
 
@@ -18,6 +19,10 @@ constexpr double kLeastDb = -36;
 /// Once it is rumble, its score may fall so low; lower while it only fades, within so many dB, by
 /// so many dB in a hop at least.
 constexpr float kHolds = -1;
+/// Scores are at most this, and smoothed: in a moment alone, music is like rumble, too.
+constexpr float kMostScore = 8;
+constexpr double kScoreS = 0.4;
+constexpr double kUnknown = -2;
 constexpr double kFadesDb = 3;
 constexpr double kFadingDb = 0.06;
 /// Beside an equally loud vowel, rumble must be within 3 dB of the power from 65 Hz to 1 kHz, then
@@ -48,11 +53,17 @@ share_in(double seconds)
 float
 score_of(std::span<const float> features)
 {
+  std::array<float, kRumbleMean.size()> scaled{};
+  for (std::size_t i = 0; i < scaled.size(); i++)
+    scaled[i] = std::clamp((features[i] - kRumbleMean[i]) * kRumbleScale[i], -3.0F, 3.0F);
   float score = kRumbleOffset;
-  for (std::size_t i = 0; i < kRumbleWeights.size(); i++)
-    score += kRumbleWeights[i]
-             * std::clamp((features[i] - kRumbleMean[i]) * kRumbleScale[i], -3.0F, 3.0F);
-  return score;
+  for (std::size_t unit = 0; unit < kRumbleOut.size(); unit++) {
+    const float sum
+        = std::inner_product(scaled.begin(), scaled.end(), &kRumbleHidden[unit * scaled.size()],
+                             kRumbleHiddenOffset[unit]);
+    score += kRumbleOut[unit] * std::max(sum, 0.0F);
+  }
+  return std::clamp(score, -kMostScore, kMostScore);
 }
 
 } // namespace
@@ -77,11 +88,11 @@ Rumble::add(const BandPowers &powers, double gain_db)
     effects += is_low_[c] ? deep_[c] : 0;
   }
   middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
-  const float score = score_of(features_.add(powers).subspan(1));
+  score_ += share_in(kScoreS) * (score_of(features_.add(powers).subspan(1)) - score_);
   const double heard = std::max(decibels(deep), kSilenceDb);
   // Another sound does not end an explosion that dies away.
-  fading_ = score > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
-  is_rumble_ = score > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
+  fading_ = score_ > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
+  is_rumble_ = score_ > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
   vowel_ *= kForgotten;
   if (powers.voicing > kVoiced)
@@ -109,6 +120,7 @@ Rumble::reset()
 {
   features_.reset();
   deep_.fill(0);
+  score_ = kUnknown;
   quick_ = 0;
   middle_ = 0;
   vowel_ = 0;

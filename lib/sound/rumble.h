@@ -30,6 +30,7 @@ private:
   RumbleFeatures features_;
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
+  double score_ = 0;  ///< smoothed
   double quick_ = 0;  ///< power below 65 Hz, smoothed less
   double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
   double floor_ = 0;  ///< level of the last seconds, dB

@@ -17,12 +17,13 @@ public:
   enum Index
   {
     deep,
-    over_middle,  ///< dB more below 65 Hz than from 65 Hz to 1 kHz
-    over_high,    ///< than from 1 kHz up
-    over_bass,    ///< than from 65 to 130 Hz
-    crest,        ///< peak over mean power of 18–130 Hz in 0.4 s, dB: music beats
-    voicing,      ///< of 0.1 s, 10 if it is full
-    uneven,       ///< dB: of tones
+    over,                      ///< dB more below 65 Hz than in each higher band
+    crest = over + kBands - 1, ///< peak over mean power of 18–130 Hz in 0.4 s, dB: music beats
+    voicing,                   ///< of 0.1 s, 10 if it is full
+    uneven,                    ///< dB: of tones
+    long_voicing,              ///< of 1 s
+    long_uneven,
+    busy,         ///< mean change of the octaves' levels in 20 ms, of 2 s
     varying,      ///< 10 times the relative variation of the amplitude below 65 Hz in 0.4 s
     over_seconds, ///< dB more below 65 Hz than in the last 2 s
     count,
@@ -53,7 +54,11 @@ private:
   Powers smooth_{};
   double voicing_ = 0;
   double uneven_ = 0;
-  double seconds_ = -70; ///< dB
+  double long_voicing_ = 0;
+  double long_uneven_ = 0;
+  double busy_ = 0;
+  std::array<std::array<float, kBands>, 4> levels_{}; ///< of the last hops, dB
+  double seconds_ = -70;                              ///< dB
   std::array<Part, kParts> parts_{};
   Part part_;
   std::size_t hops_ = 0;

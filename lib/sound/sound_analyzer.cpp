@@ -26,11 +26,11 @@ constexpr double kFallS = 0.15;
 
 } // namespace
 
-SoundAnalyzer::SoundAnalyzer(int rate, std::span<const Speaker> speakers)
+SoundAnalyzer::SoundAnalyzer(int rate, std::span<const Speaker> speakers, bool looks_ahead)
     : speakers_(speakers.begin(), speakers.end()), has_rear_(sound::has_rear(speakers)),
-      bands_(rate, speakers), rumble_(speakers)
+      bands_(rate, speakers), detector_(looks_ahead), rumble_(speakers)
 {
-  delay_ = OnsetDetector::kAhead * kHopTime
+  delay_ = detector_.ahead() * kHopTime
            + std::chrono::ceil<Time>(std::chrono::duration<double>(bands_.delay()));
   moments_.reserve(256);
   reset();
@@ -58,6 +58,8 @@ SoundAnalyzer::reset()
   hop_ = 0;
   impact_ = {};
   rumble_.reset();
+  impact_pitch_.reset();
+  rumble_pitch_.reset();
   loudness_.reset();
 }
 
@@ -81,8 +83,8 @@ SoundAnalyzer::add(std::span<const float> frames, const FeelSettings &settings)
       if (!bands_.next(held_[static_cast<std::size_t>(next)]))
         break;
       newest_ = next;
-      const bool onset = detector_.add(powers(0));
-      if (hop_++ >= OnsetDetector::kAhead)
+      const bool onset = detector_.add(powers(0), settings.surer);
+      if (hop_++ >= detector_.ahead())
         moments_.push_back(analyze(onset, settings));
     }
   }
@@ -92,7 +94,7 @@ SoundAnalyzer::add(std::span<const float> frames, const FeelSettings &settings)
 Moment
 SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
 {
-  constexpr int ahead = OnsetDetector::kAhead;
+  const int ahead = detector_.ahead();
   Moment moment;
   moment.begin = (hop_ - 1 - ahead) * kHopTime;
   moment.onset = onset && settings.impacts;
@@ -103,10 +105,14 @@ SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
   const double heard = rumble_.add(powers(ahead), gain_db);
   const double rumble = settings.rumble ? heard : 0;
   moment.level = static_cast<float>(std::max(impact, rumble));
-  if (impact >= rumble)
+  const float deep = rumble_pitch_.add(powers(ahead), { powers(ahead).sum[0] });
+  if (impact >= rumble) {
     moment.place = impact_.place;
-  else
+    moment.frequency = impact_.frequency;
+  } else {
     moment.place = place_of(speakers_, rumble_.powers(), 1);
+    moment.frequency = deep;
+  }
   return moment;
 }
 
@@ -114,7 +120,8 @@ void
 SoundAnalyzer::begin_impact()
 {
   impact_ = { .lasts = true, .before = detector_.before() };
-  const int newest = OnsetDetector::kAhead - OnsetFeatures::kAhead;
+  impact_pitch_.reset();
+  const int newest = detector_.ahead() - OnsetFeatures::kAhead;
   std::array<double, kMaxSpeakers> rises{};
   for (std::size_t c = 0; c < speakers_.size(); c++)
     for (std::size_t band = 1; band < kBands; band++) {
@@ -128,7 +135,7 @@ SoundAnalyzer::begin_impact()
       rises[c] += std::max(0.0, now - before) / (impact_.before[band] + 1e-9);
     }
   impact_.place = place_of(speakers_, std::span(rises).first(speakers_.size()),
-                           powers(OnsetDetector::kAhead - 1).likeness);
+                           powers(detector_.ahead() - 1).likeness);
 }
 
 double
@@ -136,7 +143,7 @@ SoundAnalyzer::feel_impact(double gain_db)
 {
   if (!impact_.lasts)
     return 0;
-  constexpr int ahead = OnsetDetector::kAhead;
+  const int ahead = detector_.ahead();
   double excess = 0;
   for (std::size_t band = 0; band < kBands; band++) {
     double power = powers(ahead).sum[band];
@@ -144,8 +151,11 @@ SoundAnalyzer::feel_impact(double gain_db)
     if (impact_.hops == 0)
       for (int ago = 0; ago < OnsetFeatures::kNow; ago++)
         power = std::max(power, powers(ahead - OnsetFeatures::kAhead + ago).sum[band]);
-    excess += std::max(0.0, power - impact_.before[band]);
+    impact_.excess[band] = std::max(0.0, power - impact_.before[band]);
+    excess += impact_.excess[band];
   }
+  if (impact_.hops < kAttackHops)
+    impact_.frequency = impact_pitch_.add(powers(ahead), impact_.excess);
   // Then it only fades: what gets louder is something else.
   if (impact_.hops < kAttackHops) {
     impact_.smooth = impact_.power = impact_.loudest = std::max(impact_.loudest, excess);

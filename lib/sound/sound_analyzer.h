@@ -4,6 +4,7 @@
 #include "sound/bands.h"
 #include "sound/loudness.h"
 #include "sound/onset_detector.h"
+#include "sound/pitch.h"
 #include "sound/place.h"
 #include "sound/rumble.h"
 
@@ -18,13 +19,15 @@ struct FeelSettings
   double gain_db = 0;  ///< added to every sound before its level
   bool impacts = true; ///< impacts, explosions and shots are felt
   bool rumble = true;  ///< rumble below 65 Hz is felt
+  float surer = 0;     ///< more than the least score that an impact needs
 };
 
 /// The effects during kHopTime.
 struct Moment
 {
-  Time begin{ 0 }; ///< of the sound since the reset
-  float level = 0; ///< [0, 1]
+  Time begin{ 0 };     ///< of the sound since the reset
+  float level = 0;     ///< [0, 1]
+  float frequency = 0; ///< Hz, where the level is not 0
   Place place;
   bool onset = false; ///< an impact or an explosion begins within 8 ms of the middle
 };
@@ -38,7 +41,8 @@ public:
   static constexpr int kHighestRate = 192000;
 
   /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers.
-  SoundAnalyzer(int rate, std::span<const Speaker> speakers);
+  /// `looks_ahead`: impacts are known 80 ms later, and better.
+  SoundAnalyzer(int rate, std::span<const Speaker> speakers, bool looks_ahead = false);
 
   /// Takes interleaved frames, any number. Returns the moments that are known now, valid until the
   /// next call.
@@ -53,7 +57,7 @@ public:
   void reset();
 
 private:
-  static constexpr int kHeld = OnsetFeatures::kPast + 1; ///< hops
+  static constexpr int kHeld = OnsetFeatures::kLater + OnsetFeatures::kPast + 1; ///< hops
 
   /// An impact while it lasts.
   struct Impact
@@ -65,6 +69,8 @@ private:
     double power = 0;  ///< the least of `smooth` since the onset
     double loudest = 0;
     double level = 0;
+    Powers excess{}; ///< of the last hop, above `before`
+    float frequency = 0;
     Place place;
   };
 
@@ -83,6 +89,8 @@ private:
   std::int64_t hop_ = 0; ///< the next
   Impact impact_;
   Rumble rumble_;
+  Pitch impact_pitch_;
+  Pitch rumble_pitch_;
   Loudness loudness_;
   std::vector<Moment> moments_;
 };

@@ -77,10 +77,12 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
   case Mix::gate:
   case Mix::accent:
   case Mix::stress:
-    if (place <= 0)
+    if (place <= 0) {
       map = mix == Mix::stress ? map : top;
-    else if (mix == Mix::gate || strength > place)
+    } else if (mix == Mix::gate || strength > place) {
+      map.frequency = top.frequency;
       std::ranges::for_each(map.levels, [&](float &level) { level *= strength / place; });
+    }
     return;
   case Mix::max:
   case Mix::sum:

@@ -3,7 +3,9 @@
 // Films known by their sound: how soon, how surely and how exactly, in rooms and noise, beside
 // Chromaprint's fingerprints by a sliding match. Tables of docs/measured/listen.md.
 //
-// Usage: listen FOLDER [TITLES [QUERIES]]      FOLDER: sounds, see listen_sounds.h
+// Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]      FOLDER: sounds, see listen_sounds.h;
+//          QUERIES: a row; MINUTES: of each sound that is in no entry
+//        listen --search FILE FILMS      a search in so many films of two hours; FILE: see sizes()
 #include "listen_sounds.h"
 
 #include "listen/listener.h"
@@ -21,6 +23,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <sys/resource.h>
 #include <thread>
 #include <unistd.h>
 
@@ -30,10 +33,12 @@ using visuotactile::Random;
 namespace {
 
 constexpr double kFilm = 50;   ///< s
+constexpr int kTitle = 7200;   ///< s of a title of sizes()
 constexpr double kLength = 12; ///< s of each query
 constexpr double kLead = 1;    ///< s before, of the room's reverberation
 constexpr double kRight = 150; ///< ms
 constexpr int kPeerTitles = 60;
+constexpr int kPeerQueries = 10;
 constexpr std::size_t kBlock = 1600;
 constexpr std::array kSpeeds = { 1.0, 1.0, 1.0, 25.0 / 24, 24.0 / 25 };
 
@@ -68,19 +73,20 @@ thread_time()
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
 }
 
-/// On two threads.
+/// On all processors.
 template <typename Do>
 void
 for_each_of(int count, const Do &act)
 {
   std::atomic<int> next = 0;
-  const auto work = [&] {
-    for (int i = next++; i < count; i = next++)
-      act(i);
-  };
-  std::thread other(work);
-  work();
-  other.join();
+  std::vector<std::thread> threads;
+  for (unsigned i = 0; i < std::max(std::thread::hardware_concurrency(), 1U); i++)
+    threads.emplace_back([&] {
+      for (int one = next++; one < count; one = next++)
+        act(one);
+    });
+  for (std::thread &thread : threads)
+    thread.join();
 }
 
 Query
@@ -208,7 +214,11 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
   int all = 0;
   int all_wrong = 0;
   int number = 0;
-  for (const double ratio : { 10.0, 0.0 })
+  std::string sums;
+  for (const double ratio : { 10.0, 0.0 }) {
+    int rows = 0;
+    int all_five = 0;
+    int all_ten = 0;
     for (const char *noise : { "pink noise", "music", "speech" })
       for (const auto &[decay, telephone] :
            { std::pair(0.2, false), std::pair(0.4, true), std::pair(0.8, true) }) {
@@ -231,10 +241,13 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
           firsts.push_back(one.first < 0 ? kLength : one.first);
           errors.insert(errors.end(), one.errors.begin(), one.errors.end());
         }
+        rows += queries;
+        all_five += five;
+        all_ten += ten;
         all += queries;
         all_wrong += wrong;
         std::array<std::atomic<int>, 2> of_peer{};
-        const int peers = std::min(queries, 6);
+        const int peers = std::min(queries, kPeerQueries);
         for_each_of(peers, [&](int i) {
           // It does not look for other speeds.
           const Query one = query(pool, static_cast<int>(peer.size()), 5 * i, condition);
@@ -254,19 +267,25 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
                     100.0 * of_peer[1] / peers);
         std::fflush(stdout);
       }
-  std::printf("\nWrong in all: %d of %d queries.\n", all_wrong, all);
+    std::array<char, 200> sum{};
+    std::snprintf(sum.data(), sum.size(),
+                  "All %d queries at %+.0f dB: %.1f %% right within 5 s, "
+                  "%.1f %% within 10 s.\n",
+                  rows, ratio, 100.0 * all_five / rows, 100.0 * all_ten / rows);
+    sums += sum.data();
+  }
+  std::printf("\n%sWrong in all: %d of %d queries.\n", sums.c_str(), all_wrong, all);
 }
 
 void
-not_in_catalogue(const Pool &pool, const listen::Catalogue &catalogue)
+not_in_catalogue(const Pool &pool, const listen::Catalogue &catalogue, int minutes)
 {
-  constexpr int kMinutes = 20;
   std::printf("\n| sound that is in no entry | minutes | taken for a film | seconds "
               "|\n|---|---|---|---|\n");
   for (const char *kind : { "other films", "music", "speech" }) {
     std::atomic<int> times = 0;
     std::atomic<int> looks = 0;
-    for_each_of(kMinutes, [&](int minute) {
+    for_each_of(minutes, [&](int minute) {
       const auto seed = static_cast<std::uint64_t>(minute + 1000);
       const Sound sound = kind[0] == 'o'   ? pool.film(Pool::kOthers + minute, 60)
                           : kind[0] == 'm' ? pool.music(seed, 60)
@@ -280,8 +299,7 @@ not_in_catalogue(const Pool &pool, const listen::Catalogue &catalogue)
           looks++;
         }
     });
-    std::printf("| %s | %d | %d times | %.1f |\n", kind, kMinutes, times.load(),
-                looks.load() / 2.0);
+    std::printf("| %s | %d | %d times | %.1f |\n", kind, minutes, times.load(), looks.load() / 2.0);
     std::fflush(stdout);
   }
 }
@@ -303,51 +321,118 @@ cpu(const Pool &pool, const listen::Catalogue &catalogue, int titles)
       share(pool.film(1, kFilm)), share(pool.music(5, kFilm)), titles);
 }
 
-/// A catalog of films of two hours each, with values as frequent as those of the titles.
+/// A second of hashes up to a rank, with any of these values.
 void
-sizes(const Pool &pool, const listen::Catalogue &catalogue)
+add_hashes(std::vector<listen::RankedHash> &made, int second, unsigned rank,
+           std::span<const std::uint32_t> values, std::uint64_t seed)
+{
+  const std::size_t first = made.size();
+  std::uint64_t state = seed << 32U | static_cast<std::uint64_t>(second);
+  unsigned of = 0;
+  for (int i = 0; i < listen::kOfRank[rank]; i++) {
+    state = visuotactile::mix_bits(state);
+    if (i == listen::kOfRank[of])
+      of++;
+    made.push_back({ .frame = std::int64_t{ second } * 125 / 2 + static_cast<int>(state % 62),
+                     .value = values[(state >> 8U) % values.size()],
+                     .rank = of });
+  }
+  std::ranges::sort(made.begin() + static_cast<std::ptrdiff_t>(first), made.end(), {},
+                    &listen::RankedHash::frame);
+}
+
+std::vector<std::uint32_t>
+values_of(std::span<const listen::FilmSound> sounds)
 {
   std::vector<std::uint32_t> values;
-  for (const listen::Entry &film : catalogue.films())
-    for (const listen::RankedHash &hash : film.hashes(listen::kRanks - 1))
+  for (const listen::FilmSound &sound : sounds)
+    for (const listen::RankedHash &hash : sound.hashes)
       values.push_back(hash.value);
+  return values;
+}
+
+void
+write(std::ofstream &file, std::span<const std::uint32_t> numbers)
+{
+  const auto count = static_cast<std::uint32_t>(numbers.size());
+  file.write(reinterpret_cast<const char *>(&count), 4);
+  file.write(reinterpret_cast<const char *>(numbers.data()), 4 * std::ssize(numbers));
+}
+
+std::vector<std::uint32_t>
+read_numbers(std::ifstream &file)
+{
+  std::uint32_t count = 0;
+  file.read(reinterpret_cast<char *>(&count), 4);
+  std::vector<std::uint32_t> numbers(count);
+  file.read(reinterpret_cast<char *>(numbers.data()), 4 * std::ssize(numbers));
+  return numbers;
+}
+
+/// Searches in films of two hours each, with values as frequent as those of the titles, in
+/// processes of their own.
+void
+sizes(const Pool &pool, std::span<const std::uint32_t> values, const std::string &program)
+{
   listen::PeakFinder finder(listen::kHeardPeaks);
   std::vector<float> samples;
   listen::Downsampler(kSoundRate).add(pool.film(2, 10), samples);
   finder.add(samples);
-  const auto hashes = listen::heard_hashes(finder.take(), 1);
-  constexpr std::int64_t kSeconds = 7200;
-  const auto frames = static_cast<std::int64_t>(kSeconds * listen::PeakFinder::kFrameRate);
-  std::printf(
-      "\n| titles of two hours | index | made in | a search of 10 s |\n|---|---|---|---|\n");
-  for (const std::size_t count : { 10U, 100U, 1000U, 10'000U }) {
-    const auto begin = std::chrono::steady_clock::now();
-    const listen::HashIndex index(
-        std::vector<std::int64_t>(count, frames),
-        [&](std::size_t film, unsigned rank) {
-          std::vector<listen::RankedHash> made;
-          made.reserve(static_cast<std::size_t>(kSeconds * listen::kOfRank[rank]));
-          std::uint64_t state = film * 1'000'003;
-          for (std::int64_t second = 0; second < kSeconds; second++)
-            for (int i = 0; i < listen::kOfRank[rank]; i++) {
-              state = visuotactile::mix_bits(state);
-              made.push_back({ .frame = second * 125 / 2 + static_cast<std::int64_t>(state % 62),
-                               .value = values[(state >> 8U) % values.size()] });
-            }
-          return made;
-        },
-        listen::Catalogue::kMostBytes);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    double least = 1e9;
-    for (int i = 0; i < 3; i++) {
-      const double from = thread_time();
-      (void)index.search(hashes, 24);
-      least = std::min(least, thread_time() - from);
-    }
-    std::printf("| %zu | %.0f MB | %.1f s | %.0f ms |\n", count,
-                static_cast<double>(index.bytes()) / 1e6, took.count(), least * 1e3);
-    std::fflush(stdout);
+  std::vector<std::uint32_t> heard;
+  for (const listen::Hash &hash : listen::heard_hashes(finder.take(), 1)) {
+    heard.push_back(static_cast<std::uint32_t>(hash.frame));
+    heard.push_back(hash.value);
   }
+  const std::string path = "/tmp/listen-bench-" + std::to_string(getpid());
+  std::ofstream file(path, std::ios::binary);
+  write(file, values);
+  write(file, heard);
+  file.close();
+  std::printf(
+      "\n| titles of two hours | index | made in | a search of 10 s | votes | most memory of "
+      "the process |\n|---|---|---|---|---|---|\n");
+  for (const int count : { 10, 100, 1000, 10'000 }) {
+    std::fflush(stdout);
+    const std::string command = program + " --search " + path + ' ' + std::to_string(count);
+    if (std::system(command.c_str()) != 0)
+      std::fprintf(stderr, "listen: cannot search in %d films\n", count);
+  }
+  unlink(path.c_str());
+}
+
+void
+search(const char *path, std::size_t films)
+{
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<std::uint32_t> values = read_numbers(file);
+  const std::vector<std::uint32_t> heard = read_numbers(file);
+  std::vector<listen::Hash> hashes;
+  for (std::size_t i = 0; i + 1 < heard.size(); i += 2)
+    hashes.push_back({ .frame = heard[i], .value = heard[i + 1] });
+  const auto frames = static_cast<std::int64_t>(kTitle * listen::PeakFinder::kFrameRate);
+  const auto begin = std::chrono::steady_clock::now();
+  const listen::HashIndex index(
+      std::vector<std::int64_t>(films, frames),
+      [&](std::size_t film, unsigned rank) {
+        std::vector<listen::RankedHash> made;
+        for (int second = 0; second < kTitle; second++)
+          add_hashes(made, second, rank, values, film);
+        return made;
+      },
+      listen::Catalogue::kMostBytes);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  double least = 1e9;
+  std::size_t votes = 0;
+  for (int i = 0; i < 3; i++) {
+    const double from = thread_time();
+    votes = index.search(hashes, 24).votes;
+    least = std::min(least, thread_time() - from);
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::printf("| %zu | %.0f MB | %.1f s | %.0f ms | %.1f million | %.0f MB |\n", index.films(),
+              static_cast<double>(index.bytes()) / 1e6, took.count(), least * 1e3,
+              static_cast<double>(votes) / 1e6, static_cast<double>(usage.ru_maxrss) * 1024 / 1e6);
 }
 
 } // namespace
@@ -356,40 +441,49 @@ int
 main(int argc, char **argv)
 {
   if (argc < 2) {
-    std::fprintf(stderr, "Usage: listen FOLDER [TITLES [QUERIES]]\n");
+    std::fprintf(stderr, "Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]\n");
     return 2;
   }
-  const Pool pool(argv[1]);
+  if (argc == 4 && std::string(argv[1]) == "--search") {
+    search(argv[2], static_cast<std::size_t>(std::atoi(argv[3])));
+    return 0;
+  }
   const int titles = argc > 2 ? std::atoi(argv[2]) : 1000;
   const int queries = argc > 3 ? std::atoi(argv[3]) : 40;
-  std::vector<std::string> entries(static_cast<std::size_t>(titles));
+  const int minutes = argc > 4 ? std::atoi(argv[4]) : 20;
+  const Pool pool(argv[1], titles, kFilm);
+  std::vector<listen::FilmSound> sounds(static_cast<std::size_t>(titles));
   std::atomic<double> learning = 0;
   for_each_of(titles, [&](int title) {
     const Sound sound = pool.film(title, kFilm);
     const double begin = thread_time();
     listen::FilmSoundMaker maker(kSoundRate);
     maker.add(sound);
-    auto bytes = listen::write_entry(
-        { .duration = listen::Time(std::llround(kFilm * 1e9)), .sound = maker.finish() });
-    if (bytes)
-      entries[static_cast<std::size_t>(title)] = *std::move(bytes);
+    sounds[static_cast<std::size_t>(title)] = maker.finish();
     learning = learning + thread_time() - begin;
   });
-  std::vector<listen::Entry> films;
+  const std::vector<std::uint32_t> values = values_of(sounds);
+  std::vector<std::string> entries(sounds.size());
+  for_each_of(titles, [&](int title) {
+    const auto index = static_cast<std::size_t>(title);
+    entries[index] = *listen::write_entry({ .duration = listen::Time(std::llround(kFilm * 1e9)),
+                                            .sound = std::exchange(sounds[index], {}) });
+  });
   std::size_t bytes = 0;
+  std::vector<listen::Entry> films;
   for (std::string &entry : entries) {
     bytes += entry.size();
-    films.push_back(std::move(*listen::Entry::of(std::move(entry))));
+    films.push_back(*listen::Entry::of(std::move(entry)));
   }
   const listen::Catalogue catalogue(std::move(films));
   std::printf(
       "%d titles of %.0f s, one in four synthetic; an entry of two hours has %.1f MB, and is "
       "made in %.0f s of CPU time without decoding.\n\n",
-      titles, kFilm, static_cast<double>(bytes) / titles / kFilm * 7200 / 1e6,
-      learning / titles / kFilm * 7200);
+      titles, kFilm, static_cast<double>(bytes) / titles / kFilm * kTitle / 1e6,
+      learning / titles / kFilm * kTitle);
   conditions(pool, catalogue, titles, queries);
-  not_in_catalogue(pool, catalogue);
+  not_in_catalogue(pool, catalogue, minutes);
   cpu(pool, catalogue, titles);
-  sizes(pool, catalogue);
+  sizes(pool, values, argv[0]);
   return 0;
 }

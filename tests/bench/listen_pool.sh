@@ -25,10 +25,10 @@ decode() { # KIND SECONDS; names on standard input
 }
 find . -type f \( -name '*.ogg' -o -name '*.mp3' -o -name '*.flac' \) -size +500k | sort | decode music 240
 find ./wesnoth-1.16-data ./hedgewars-data/usr/share/games/hedgewars/Data/Sounds ./endless-sky-data ./ufoai-sound ./colobot-common-sounds \
-  \( -name '*.ogg' -o -name '*.wav' \) -size -500k | sort | grep -v voices | awk 'NR % 2 == 0' | head -320 | decode effect 20
+  \( -name '*.ogg' -o -name '*.wav' \) -size -500k | sort | grep -v voices | awk 'NR % 2 == 0 && n++ < 320' | decode effect 20
 # Sentences of many people, in eight long recordings.
 if ! ls "$pool"/speech_* >/dev/null 2>&1; then
-  find ./ktuberling-data ./fillets-ng-data-cs ./fillets-ng-data-nl -name '*.ogg' -size -500k | sort | awk 'NR % 3 == 0' | head -700 | while read -r name; do
+  find ./ktuberling-data ./fillets-ng-data-cs ./fillets-ng-data-nl -name '*.ogg' -size -500k | sort | awk 'NR % 3 == 0 && n++ < 700' | while read -r name; do
     ffmpeg -v quiet -nostdin -i "$name" -ac 1 -ar 16000 -f s16le - </dev/null
   done >"$pool/voices"
   split -n 8 -d --additional-suffix=.s16 "$pool/voices" "$pool/speech_"

@@ -73,22 +73,33 @@ add(Sound &mix, std::size_t to, std::size_t count, const Sound &from, double beg
   }
 }
 
-/// A stretch of one of these sounds, normalized.
-void
-add_any(Sound &mix, std::size_t to, std::size_t count, const std::vector<Sound> &of, Random &random,
-        double level, double least_speed, double most_speed)
+/// A stretch of one of these sounds.
+struct Stretch
 {
-  if (of.empty())
-    return;
+  const Sound *from;
+  double begin;
+  double speed;
+};
+
+Stretch
+any_of(const std::vector<Sound> &of, std::size_t count, Random &random, double least_speed,
+       double most_speed)
+{
   const Sound &from = of[static_cast<std::size_t>(random.below(static_cast<int>(of.size())))];
   const double speed = random.uniform(least_speed, most_speed);
   const double room = static_cast<double>(from.size()) - static_cast<double>(count) * speed - 2;
-  const double begin = room > 0 ? random.uniform(0, room) : 0;
-  const auto first = static_cast<std::size_t>(begin);
-  const auto used
-      = std::min(from.size() - first, static_cast<std::size_t>(static_cast<double>(count) * speed));
-  add(mix, to, count, from, begin, speed,
-      level / std::sqrt(power(std::span(from).subspan(first, used))));
+  return { .from = &from, .begin = room > 0 ? random.uniform(0, room) : 0, .speed = speed };
+}
+
+/// Adds a stretch of a recording, normalized.
+void
+add_normalized(Sound &mix, std::size_t to, std::size_t count, const Stretch &of, double level)
+{
+  const auto first = static_cast<std::size_t>(of.begin);
+  const auto used = std::min(of.from->size() - first,
+                             static_cast<std::size_t>(static_cast<double>(count) * of.speed));
+  add(mix, to, count, *of.from, of.begin, of.speed,
+      level / std::sqrt(power(std::span(*of.from).subspan(first, used))));
 }
 
 void
@@ -162,11 +173,12 @@ convolved(const Sound &sound, const Sound &response)
 
 } // namespace
 
-Pool::Pool(const std::string &folder)
+Pool::Pool(const std::string &folder, int titles, double seconds)
 {
   std::vector<std::filesystem::path> paths;
   for (const auto &entry : std::filesystem::directory_iterator(folder))
-    paths.push_back(entry.path());
+    if (entry.file_size() > 0)
+      paths.push_back(entry.path());
   std::ranges::sort(paths);
   std::size_t count = 0;
   for (const auto &path : paths) {
@@ -181,35 +193,85 @@ Pool::Pool(const std::string &folder)
   if (music_.empty() || speech_.empty() || effects_.empty())
     throw std::runtime_error("'" + folder
                              + "': expected music_*.s16, speech_*.s16 and effect_*.s16");
+  for (int title = 0; title < titles; title++)
+    titles_.push_back(pieces(title, seconds));
+}
+
+std::vector<Pool::Piece>
+Pool::pieces(int number, double seconds) const
+{
+  constexpr double kSame = 0.005; // of the speed
+  constexpr double kEffect = 3;   // s: longest
+  constexpr int kTries = 1000;
+  Random random(static_cast<std::uint64_t>(number) * 7919 + 1);
+  const bool others = number >= kOthers;
+  std::vector<Piece> made;
+  if (number % 4 == 3)
+    return made;
+  const auto is_heard = [&](const Piece &one) {
+    const auto clashes = [&](const Piece &other) {
+      if (other.from != one.from || other.count <= samples(kEffect)
+          || other.begin > one.begin + static_cast<double>(one.count) * one.speed
+          || one.begin > other.begin + static_cast<double>(other.count) * other.speed)
+        return false;
+      const double ratio = std::max(one.speed, other.speed) / std::min(one.speed, other.speed);
+      return ratio < 1 + kSame || std::abs(ratio * 24 / 25 - 1) < kSame;
+    };
+    return std::ranges::any_of(made, clashes)
+           || std::ranges::any_of(
+               titles_, [&](const auto &title) { return std::ranges::any_of(title, clashes); });
+  };
+  const auto add_piece = [&](std::size_t at, std::size_t length, const std::vector<Sound> &of,
+                             double level, double least_speed, double most_speed) {
+    for (int tries = 0; tries < kTries; tries++) {
+      const Stretch any = any_of(of, length, random, least_speed, most_speed);
+      const Piece piece{ .from = any.from,
+                         .to = at,
+                         .count = length,
+                         .begin = any.begin,
+                         .speed = any.speed,
+                         .level = level };
+      if (length > samples(kEffect) && !others && is_heard(piece))
+        continue;
+      made.push_back(piece);
+      return;
+    }
+  };
+  const std::size_t size = samples(seconds);
+  for (std::size_t at = 0; at < size;) {
+    const std::size_t count = std::min(samples(random.uniform(8, 25)), size - at);
+    const int kind = random.below(10);
+    if (kind < 7)
+      add_piece(at, count, others ? other_music_ : music_, 0.1 * gain(random.uniform(-18, 0)), 0.8,
+                1.2);
+    if (kind >= 4)
+      add_piece(at, count, others ? other_speech_ : speech_, 0.1 * gain(random.uniform(-6, 0)), 0.8,
+                1.25);
+    for (std::size_t then = at; then < at + count; then += samples(random.uniform(0.5, 6)))
+      add_piece(then, std::min(samples(random.uniform(0.5, kEffect)), at + count - then),
+                others ? other_effects_ : effects_, 0.1 * gain(random.uniform(-15, 3)), 0.7, 1.4);
+    at += count;
+  }
+  return made;
 }
 
 Sound
 Pool::film(int number, double seconds) const
 {
-  Random random(static_cast<std::uint64_t>(number) * 7919 + 1);
-  const bool others = number >= kOthers;
+  Random random(static_cast<std::uint64_t>(number) * 104'729 + 1);
   Sound mix(samples(seconds));
-  for (std::size_t at = 0; at < mix.size();) {
-    const std::size_t count = std::min(samples(random.uniform(8, 25)), mix.size() - at);
-    if (number % 4 == 3) {
+  if (number % 4 == 3)
+    for (std::size_t at = 0; at < mix.size();) {
+      const std::size_t count = std::min(samples(random.uniform(8, 25)), mix.size() - at);
       if (random.below(4) != 0)
         add_notes(mix, at, count, random);
       add_bursts(mix, at, count, random);
-    } else {
-      const int kind = random.below(10);
-      if (kind < 7)
-        add_any(mix, at, count, others ? other_music_ : music_, random,
-                0.1 * gain(random.uniform(-18, 0)), 0.8, 1.2);
-      if (kind >= 4)
-        add_any(mix, at, count, others ? other_speech_ : speech_, random,
-                0.1 * gain(random.uniform(-6, 0)), 0.8, 1.25);
-      for (std::size_t then = at; then < at + count; then += samples(random.uniform(0.5, 6)))
-        add_any(mix, then, std::min(samples(random.uniform(0.5, 3)), at + count - then),
-                others ? other_effects_ : effects_, random, 0.1 * gain(random.uniform(-15, 3)), 0.7,
-                1.4);
+      at += count;
     }
-    at += count;
-  }
+  const auto title = static_cast<std::size_t>(number);
+  for (const Piece &one : title < titles_.size() ? titles_[title] : pieces(number, seconds))
+    add_normalized(mix, one.to, one.count,
+                   { .from = one.from, .begin = one.begin, .speed = one.speed }, one.level);
   for (float &sample : mix)
     sample += static_cast<float>(random.uniform(-1, 1) * 2e-4); // the recording's
   return mix;
@@ -222,7 +284,7 @@ Pool::music(std::uint64_t seed, double seconds) const
   Sound mix(samples(seconds));
   for (std::size_t at = 0; at < mix.size();) {
     const std::size_t count = std::min(samples(random.uniform(20, 90)), mix.size() - at);
-    add_any(mix, at, count, other_music_, random, 0.1, 0.9, 1.1);
+    add_normalized(mix, at, count, any_of(other_music_, count, random, 0.9, 1.1), 0.1);
     at += count;
   }
   return mix;
@@ -235,7 +297,7 @@ Pool::speech(std::uint64_t seed, double seconds) const
   Sound mix(samples(seconds));
   for (std::size_t at = 0; at < mix.size();) {
     const std::size_t count = std::min(samples(random.uniform(10, 30)), mix.size() - at);
-    add_any(mix, at, count, other_speech_, random, 0.1, 0.9, 1.1);
+    add_normalized(mix, at, count, any_of(other_speech_, count, random, 0.9, 1.1), 0.1);
     at += count;
   }
   return mix;

@@ -18,7 +18,8 @@ using Sound = std::vector<float>;
 class Pool
 {
 public:
-  explicit Pool(const std::string &folder);
+  /// `titles`: films of `seconds`, of which no two have the same music or speech at the same speed.
+  Pool(const std::string &folder, int titles, double seconds);
 
   /// A film: scenes of music, speech and effects; each fourth one is synthetic. Those from kOthers
   /// on are of other recordings.
@@ -29,12 +30,26 @@ public:
   Sound speech(std::uint64_t seed, double seconds) const;
 
 private:
+  /// A stretch of a recording in a film.
+  struct Piece
+  {
+    const Sound *from;
+    std::size_t to;    ///< sample of the film
+    std::size_t count; ///< samples of the film
+    double begin;      ///< sample of the recording
+    double speed;
+    double level;
+  };
+
+  std::vector<Piece> pieces(int number, double seconds) const;
+
   std::vector<Sound> music_;
   std::vector<Sound> other_music_;
   std::vector<Sound> speech_;
   std::vector<Sound> other_speech_;
   std::vector<Sound> effects_;
   std::vector<Sound> other_effects_;
+  std::vector<std::vector<Piece>> titles_;
 };
 
 Sound pink_noise(std::uint64_t seed, double seconds);

@@ -30,7 +30,7 @@ LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
   std::vector<listen::Hash> heard;
   for (const listen::RankedHash &hash : hashes)
     heard.push_back({ .frame = hash.frame, .value = hash.value });
-  for (const listen::Place &place : catalogue.index().search(heard, 4))
+  for (const listen::Place &place : catalogue.index().search(heard, 4).places)
     expect(place.film == 0);
   return 0;
 }

@@ -19,9 +19,9 @@ rendered(const sound::SyntheticSound &made, double seconds, int rate,
 
 std::vector<sound::Moment>
 analyzed(std::span<const float> frames, int rate, std::span<const sound::Speaker> speakers,
-         const sound::FeelSettings &settings)
+         const sound::FeelSettings &settings, bool looks_ahead)
 {
-  sound::SoundAnalyzer analyzer(rate, speakers);
+  sound::SoundAnalyzer analyzer(rate, speakers, looks_ahead);
   const std::span<const sound::Moment> moments = analyzer.add(frames, settings);
   return { moments.begin(), moments.end() };
 }

@@ -22,7 +22,8 @@ std::vector<float> rendered(const sound::SyntheticSound &made, double seconds, i
 /// What soundtactile's analysis makes of it.
 std::vector<sound::Moment> analyzed(std::span<const float> frames, int rate,
                                     std::span<const sound::Speaker> speakers,
-                                    const sound::FeelSettings &settings = {});
+                                    const sound::FeelSettings &settings = {},
+                                    bool looks_ahead = false);
 
 /// Seconds of the onsets.
 std::vector<double> onsets_of(std::span<const sound::Moment> moments);

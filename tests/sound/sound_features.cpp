@@ -21,6 +21,8 @@
 #include <string_view>
 #include <vector>
 
+using Onset = sound::OnsetFeatures;
+
 static int
 make(std::uint64_t seed, std::string_view what, const char *name)
 {
@@ -54,7 +56,7 @@ main(int argc, char **argv)
   const std::string_view of = argv[1];
   if (argc == 2)
     return std::printf("%d", of == "rumble" ? int{ sound::RumbleFeatures::count }
-                                            : sound::OnsetFeatures::kCount)
+                                            : Onset::kCount + Onset::kLaterCount)
                    > 0
                ? 0
                : 1;
@@ -64,7 +66,7 @@ main(int argc, char **argv)
                          bytes.size() / sizeof(float));
   const auto speakers = sound::usual_speakers(1);
   sound::Bands bands(sound::kRate, speakers);
-  sound::OnsetFeatures onset;
+  Onset onset(true);
   sound::RumbleFeatures rumble;
   sound::BandPowers powers;
   int hop = 0;
@@ -73,14 +75,15 @@ main(int argc, char **argv)
         frames.subspan(at, std::min<std::size_t>(sound::Resampler::kBlock, frames.size() - at)));
     for (; bands.next(powers); hop++) {
       std::span<const float> row;
-      if (of == "rumble")
+      if (of == "rumble") {
         row = rumble.add(powers);
-      else if (onset.add(powers))
-        row = onset.features();
+      } else {
+        if (onset.add(powers))
+          row = onset.features();
+      }
       if (row.empty())
         continue;
-      const auto number
-          = static_cast<float>(of == "rumble" ? hop : hop - sound::OnsetFeatures::kAhead);
+      const auto number = static_cast<float>(of == "rumble" ? hop : hop - onset.ahead());
       std::fwrite(&number, sizeof number, 1, stdout);
       std::fwrite(row.data(), sizeof(float), row.size(), stdout);
     }

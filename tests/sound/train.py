@@ -3,12 +3,12 @@
 """Learns lib/sound/onset_weights.h and rumble_weights.h, from real sounds (real_sounds.py) and some synthetic ones, and writes them.
 
 A mix has a bed (music, speech, both, ambience, noise or silence) and effects at −8 to +16 dB, in rooms, through filters, faster and
-slower, limited, coded, at −30 to −1 dB of full scale. Each effect is a bag of moments about its onset; the most probable stands for it,
-chosen again in each epoch. One hidden layer. Of several starts the best one is taken, and the threshold is where the music of the set
-for choosing has PER_MINUTE impacts.
+slower, limited, coded, at −40 to −1 dB of full scale. Each effect is a bag of moments about its onset; the most probable stands for it,
+chosen again in each epoch. Each of two networks, without and with later features, has one hidden layer. Of several starts the best one is
+taken, and the threshold is where the music of the set for choosing has PER_MINUTE impacts.
 
 Usage: OMP_NUM_THREADS=1 tests/sound/train.py BUILD CACHE [CORES] [tune]      BUILD: a build folder with tests/sound/sound_features;
-CACHE: keeps packages and sounds; tune: goes on from the weights that are there, instead of anew. About half an hour of a core. Needs
+CACHE: keeps packages and sounds; tune: goes on from the weights that are there, instead of anew. About an hour of a core. Needs
 ffmpeg, python3-scipy and apt-get."""
 
 import multiprocessing
@@ -21,24 +21,29 @@ import tempfile
 import numpy as np
 from real_sounds import RATE, bed_of, coded, limited, mixed, sounds
 from scipy.optimize import minimize
+from scipy.signal import lfilter
 
-HIDDEN = 40
+HIDDEN = 48
 EPOCHS = 12
 TUNE_EPOCHS = 6
 SEEDS = (1, 2, 3)
 BATCH, POSITIVES, HARD = 1792, 256, 512
-OF_IMPACTS, OF_SPEECH = 2.0, 5.0  # weights; others' are 1
-PER_MINUTE = 1.15  # other music gives about three times as many
+OF_IMPACTS = 2.0  # weights; others' are 1
+# Names, features, weights of speech, and impacts a minute in music; other music gives up to twice as many.
+NETWORKS = (("Onset", 99, 5.0, 4.0), ("Later", 139, 1.5, 2.0))
+# As OnsetDetector: the feature, from where to where, and how much less of a score is enough.
+RISE, STANDS_OUT, STANDS_ALONE, ALONE = 108, 15, 40, 4.0
 # As OnsetDetector: the score of three moments in a row, which is within ± MOST.
 IN_ROW, MOST = 3, 8.0
 FLUX = 67  # the feature
-RUMBLE_IN_MUSIC = 0.025
+RUMBLE_IN_MUSIC = 0.05
+RUMBLE_HIDDEN, SCORE_S = 8, 0.4
 DEAD_S = 0.15  # OnsetDetector::kDeadHops
 FILM_S = 60
-LEARN = {"music": 60, "speech": 8, "both": 10, "dialog": 24, "silence": 16, "noise": 5, "ambient": 8}
-ALONE = {"music": 80, "speech": 12, "both": 10, "dialog": 32, "ambient": 8}
-CHOOSE = {"music": 12, "speech": 3, "dialog": 4, "silence": 3}
-CHOOSE_ALONE = {"music": 28, "speech": 5, "dialog": 14, "both": 3}
+LEARN = {"music": 90, "speech": 12, "both": 15, "dialog": 36, "silence": 36, "noise": 8, "ambient": 12}
+LEARN_ALONE = {"music": 120, "speech": 18, "both": 15, "dialog": 48, "ambient": 12}
+CHOOSE = {"music": 24, "speech": 8, "dialog": 6, "silence": 6}
+CHOOSE_ALONE = {"music": 40, "speech": 10, "dialog": 14, "both": 4}
 CHOOSE_RATIOS = (6, 0, -6)
 TIMES = {"explosion": 3, "impact": 1, "gun": 2, "footstep": 1}
 
@@ -54,7 +59,7 @@ def finish(samples, rng, folder):
     if rng.random() < 0.08:
         codec, rate = [("libvorbis", "40k"), ("aac", "48k"), ("libopus", "32k")][rng.integers(3)]
         samples = coded(samples, codec, rate, folder)
-    return samples * 10 ** (rng.uniform(-30, -1) / 20) / (np.abs(samples).max() + 1e-9)
+    return samples * 10 ** (rng.uniform(-40, -1) / 20) / (np.abs(samples).max() + 1e-9)
 
 
 def film(name, kind, ratio, seed, folder):
@@ -62,10 +67,17 @@ def film(name, kind, ratio, seed, folder):
     of = loaded[name]
     rng = np.random.default_rng(seed)
     bed = bed_of(kind, of, FILM_S, rng)
+    if kind == "silence" and rng.random() < 0.5:  # a room
+        bed = bed_of("noise", of, FILM_S, rng) * 10 ** (-rng.uniform(15, 50) / 20)
     if ratio is None:
         return finish(bed, rng, folder), [], kind + " alone"
     effects = [s for k, times in TIMES.items() for s in of.get(k, []) * times]
-    samples, truth = mixed(bed, effects, (lambda: rng.uniform(-8, 16)) if ratio is True else ratio, rng)
+    ratios = (lambda: rng.uniform(-8, 16)) if ratio is True else ratio
+    if kind == "silence":
+        samples, truth = mixed(np.zeros_like(bed), effects, ratios, rng)
+        samples += bed
+    else:
+        samples, truth = mixed(bed, effects, ratios, rng)
     return finish(samples, rng, folder), [at for at, *_ in truth], kind if ratio is True else f"{kind} {ratio:+}"
 
 
@@ -119,22 +131,22 @@ def forward(net, x):
 
 
 def scaled(rows, net):
-    return np.clip((rows - net["mean"]) / net["spread"], -4, 4).astype(np.float32)
+    return np.clip((rows[:, : len(net["mean"])] - net["mean"]) / net["spread"], -4, 4).astype(np.float32)
 
 
 def scores(net, x):
     return np.concatenate([forward(net, x[i : i + 65536])[1] for i in range(0, len(x), 65536)])
 
 
-def judged_score(moments, net):
-    """Of each moment the mean of the last three."""
-    score = np.clip(scores(net, scaled(moments.rows, net)), -MOST, MOST)
+def judged_score(moments, nets):
+    """Of each moment the mean of the last three, and of the networks."""
+    score = sum(np.clip(scores(net, scaled(moments.rows, net)), -MOST, MOST) for net in nets) / len(nets)
     total = score.copy()
     for back in range(1, IN_ROW):
         is_next = np.abs(moments.seconds[back:] - moments.seconds[:-back] - 0.005 * back) < 0.001
         total[:back] -= MOST
         total[back:] += np.where(is_next, score[:-back], -MOST)
-    return total / IN_ROW
+    return total / IN_ROW + ALONE * np.clip((moments.rows[:, RISE] - STANDS_OUT) / (STANDS_ALONE - STANDS_OUT), 0, 1)
 
 
 def best_of_bags(moments, score):
@@ -143,24 +155,23 @@ def best_of_bags(moments, score):
     return ours[np.unique(moments.bag[ours], return_index=True)[1]]
 
 
-def present():
-    """The network in the tree."""
+def present(prefix):
+    """A network in the tree."""
     text = (root / "lib/sound/onset_weights.h").read_text()
-    found = {name: np.array([float(value.strip(" F\n")) for value in values.split(",")], np.float32) for name, values in re.findall(r"kOnset(\w+)\{(.*?)\};", text, re.S)}
+    found = {name: np.array([float(value.strip(" F\n")) for value in values.split(",")], np.float32) for name, values in re.findall(rf"k{prefix}(\w+)\{{(.*?)\}};", text, re.S)}
     units = len(found["Out"])
-    return {"mean": found["Mean"], "spread": 1 / found["Scale"], "w": found["Hidden"].reshape(units, -1).T.copy(), "b": found["HiddenOffset"], "v": found["Out"],
-            "c": np.float32(re.search(r"kOnsetOffset = ([-.\d]+)F", text)[1])}
+    return {"mean": found["Mean"], "spread": 1 / found["Scale"], "w": (found["Hidden"].reshape(units, -1) * found["HiddenScale"][:, None]).T.copy(), "b": found["HiddenOffset"],
+            "v": found["Out"], "c": np.float32(re.search(rf"k{prefix}Offset = ([-.\d]+)F", text)[1])}
 
 
-def learn(moments, seed, start=None, hidden=HIDDEN, of_speech=OF_SPEECH, of_impacts=OF_IMPACTS):
+def learn(moments, seed, width, of_speech, start=None, hidden=HIDDEN, of_impacts=OF_IMPACTS):
     epochs, first_rate = (TUNE_EPOCHS, 0.001) if start else (EPOCHS, 0.003)
     rng = np.random.default_rng(seed)
-    width = moments.rows.shape[1]
     net = start or {"w": rng.normal(0, width**-0.5, (width, hidden)), "b": np.zeros(hidden), "v": rng.normal(0, hidden**-0.5, hidden), "c": np.array(-1.0)}
     net = {k: v.astype(np.float32) for k, v in net.items()}
     adam = {k: [np.zeros_like(net[k]), np.zeros_like(net[k])] for k in "wbvc"}
     if not start:
-        net |= {"mean": moments.rows.mean(axis=0), "spread": moments.rows.std(axis=0) + 1e-3}
+        net |= {"mean": moments.rows[:, :width].mean(axis=0), "spread": moments.rows[:, :width].std(axis=0) + 1e-3}
     x = scaled(moments.rows, net)
     others = np.flatnonzero(moments.bag == 0)
     speech = np.array([kind.startswith(("speech", "both", "dialog")) for kind, *_ in moments.kinds])[moments.film]
@@ -234,22 +245,25 @@ def threshold(moments, score, most, kind="music alone"):
     return high
 
 
-def array(name, values):
-    numbers = (f"{value:.4g}" for value in np.ravel(values))
-    return f"inline constexpr std::array<float, {np.size(values)}> {name}{{ " + ", ".join(n + ("F" if set(n) & set(".e") else ".F") for n in numbers) + " };\n"
+def array(name, values, kind="float"):
+    numbers = [f"{value:.4g}" for value in np.ravel(values)]
+    if kind == "float":
+        numbers = [n + ("F" if set(n) & set(".e") else ".F") for n in numbers]
+    return f"inline constexpr std::array<{kind}, {np.size(values)}> {name}{{ " + ", ".join(numbers) + " };\n"
 
 
 def write(name, comment, body):
     file = root / "lib/sound" / name
-    file.write_text(f"// SPDX-License-Identifier: LGPL-2.1-or-later\n//\n// Made by tests/sound/train.py; do not edit.\n#pragma once\n\n#include <array>\n\n"
+    file.write_text(f"// SPDX-License-Identifier: LGPL-2.1-or-later\n//\n// Made by tests/sound/train.py; do not edit.\n#pragma once\n\n#include <array>\n#include <cstdint>\n\n"
                     f"/// {comment}\nnamespace sound {{\n\n{body}\n}} // namespace sound\n")
     subprocess.run(["clang-format-14", "-i", file], check=True)
 
 
 def network(prefix, net, least):
-    return (array(prefix + "Mean", net["mean"]) + array(prefix + "Scale", 1 / net["spread"]) + array(prefix + "Hidden", net["w"].T)
-            + array(prefix + "HiddenOffset", net["b"]) + array(prefix + "Out", net["v"]) + f"inline constexpr float {prefix}Offset = {net['c']:.4f}F;\n"
-            + f"/// The mean score of an impact is above.\ninline constexpr float {prefix}Least = {least:.4f}F;\n")
+    scale = np.abs(net["w"]).max(axis=0) / 127
+    return (array(prefix + "Mean", net["mean"]) + array(prefix + "Scale", 1 / net["spread"]) + array(prefix + "Hidden", np.round(net["w"] / scale).T, "std::int8_t")
+            + array(prefix + "HiddenScale", scale) + array(prefix + "HiddenOffset", net["b"]) + array(prefix + "Out", net["v"])
+            + f"inline constexpr float {prefix}Offset = {net['c']:.4f}F;\n/// The mean score of an impact is above.\ninline constexpr float {prefix}Least = {least:.4f}F;\n")
 
 
 def jobs_of(name, plan, alone, ratios, seed):
@@ -260,23 +274,30 @@ def jobs_of(name, plan, alone, ratios, seed):
 
 def read(pool):
     made = ("impacts", "impacts", "explosions", "impacts+0", "impacts+6", "music", "music")
-    learned = Moments(jobs_of("learn", LEARN, ALONE, (True,), 1) + [(synthetic, what, 1 + i) for i, what in enumerate(made)], pool)
+    learned = Moments(jobs_of("learn", LEARN, LEARN_ALONE, (True,), 1) + [(synthetic, what, 1 + i) for i, what in enumerate(made)], pool)
     return learned, Moments(jobs_of("choose", CHOOSE, CHOOSE_ALONE, CHOOSE_RATIOS, 2), pool)
 
 
-def worth(moments, net):
-    """The threshold, and the mean F1 there."""
-    score = judged_score(moments, net)
-    least = threshold(moments, score, PER_MINUTE)
+def worth(moments, nets, per_minute):
+    """The mean F1, and the threshold."""
+    score = judged_score(moments, nets)
+    least = threshold(moments, score, per_minute)
     result = judged(moments, score, least)
     print(f"above {least:.2f}:", ", ".join(f"{kind} {value:.2f}" for kind, value in result.items()), flush=True)
     return np.mean([value for kind, value in result.items() if "alone" not in kind]), least
 
 
-def impacts(moments, judges, start):
-    nets = [learn(moments, seed, start) for seed in ((1,) if start else SEEDS)]
-    (_, least), net = max(((worth(judges, net), net) for net in nets), key=lambda pair: pair[0][0])
-    write("onset_weights.h", "One hidden layer of what OnsetFeatures knows.", network("kOnset", net, least))
+def impacts(moments, judges, tune):
+    chosen, body = [], ""
+    for name, width, of_speech, per_minute in NETWORKS:
+        found = []
+        for seed in (1,) if tune else SEEDS:
+            net = learn(moments, seed, width, of_speech, present(name) if tune else None)
+            found.append((*worth(judges, [*chosen, net], per_minute), net))
+        _, least, net = max(found, key=lambda one: one[0])
+        chosen.append(net)
+        body += ("\n" if body else "") + network("k" + name, net, least)
+    write("onset_weights.h", "One hidden layer of what OnsetFeatures knows, without and with its later features.", body)
 
 
 def rumble_films(of, rng, minutes):
@@ -308,30 +329,42 @@ def rumble(learn_from, choose_from):
             kinds.append(np.full(keep.sum(), kind))
         return np.concatenate(x), np.concatenate(y), np.concatenate(kinds), hops
 
-    x, y, kinds, hops = read(learn_from, 3, 9)
+    x, y, kinds, hops = read(learn_from, 3, 27)
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-3
-    xs = np.hstack([np.clip((x - mean) / spread, -3, 3), np.ones((len(x), 1))])
+    xs = np.clip((x - mean) / spread, -3, 3)
     weight = np.where(y, 1 / y.sum(), 1 / (~y).sum())
+    parts = np.cumsum([xs.shape[1] * RUMBLE_HIDDEN, RUMBLE_HIDDEN, RUMBLE_HIDDEN])
+
+    def layers(w):
+        hidden, offset, out, last = np.split(w, parts)
+        return hidden.reshape(RUMBLE_HIDDEN, -1), offset, out, last[0]
 
     def loss(w):
-        out = xs @ w
-        return (weight * (np.logaddexp(0, out) - y * out)).sum() + 1e-4 * (w**2).sum(), xs.T @ (weight * (1 / (1 + np.exp(-out)) - y)) + 2e-4 * w
+        hidden, offset, out, last = layers(w)
+        inner = np.maximum(xs @ hidden.T + offset, 0)
+        score = inner @ out + last
+        error = weight * (1 / (1 + np.exp(-score)) - y)
+        back = np.outer(error, out) * (inner > 0)
+        slope = np.concatenate([(back.T @ xs).ravel(), back.sum(0), inner.T @ error, [error.sum()]])
+        return (weight * (np.logaddexp(0, score) - y * score)).sum() + 1e-4 * (w**2).sum(), slope + 2e-4 * w
 
-    w = minimize(loss, np.zeros(9), jac=True, method="L-BFGS-B").x
-    print("rumble's weights:", dict(zip("middle high bass crest voicing uneven varying seconds offset".split(), w.round(2))))
-    x, y, kinds, hops = read(choose_from, 4, 6)
-    score = np.hstack([np.clip((x - mean) / spread, -3, 3), np.ones((len(x), 1))]) @ w
+    w = minimize(loss, np.random.default_rng(1).normal(0, 0.3, parts[-1] + 1), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
+    hidden, offset, out, last = layers(w)
+    x, y, kinds, hops = read(choose_from, 4, 12)
+    score = np.clip(np.maximum(np.clip((x - mean) / spread, -3, 3) @ hidden.T + offset, 0) @ out + last, -MOST, MOST)
+    score = lfilter([0.005 / SCORE_S], [1, 0.005 / SCORE_S - 1], score)
     least = np.quantile(np.concatenate([score[kinds == "music alone"], np.full(hops["music alone"] - (kinds == "music alone").sum(), -99)]), 1 - RUMBLE_IN_MUSIC)
     for kind, count in hops.items():
         print(f"  {kind}: {100 * (score[kinds == kind] > least).sum() / count:.1f} % of the time, deep {100 * (kinds == kind).sum() / count:.0f} %")
-    write("rumble_weights.h", "The mean, scale and weight of each of RumbleFeatures after the first.",
-          array("kRumbleMean", mean) + array("kRumbleScale", 1 / spread) + array("kRumbleWeights", w[:-1]) + f"inline constexpr float kRumbleOffset = {w[-1] - least:.4f}F;\n")
+    write("rumble_weights.h", "One hidden layer of RumbleFeatures after the first.",
+          array("kRumbleMean", mean) + array("kRumbleScale", 1 / spread) + array("kRumbleHidden", hidden) + array("kRumbleHiddenOffset", offset) + array("kRumbleOut", out)
+          + f"inline constexpr float kRumbleOffset = {last - least:.4f}F;\n")
 
 
 if __name__ == "__main__":
     loaded.update({name: sounds(name, cache) for name in ("learn", "choose")})
     tune = "tune" in sys.argv
     with multiprocessing.Pool(int(sys.argv[3]) if len(sys.argv) > 3 + tune else 1) as pool:
-        impacts(*read(pool), present() if tune else None)
+        impacts(*read(pool), tune)
     if not tune:
         rumble(loaded["learn"], loaded["choose"])

@@ -4,49 +4,29 @@
 used is said. By ear a real mpv at PulseAudio's null sink is felt when it is by mpv's own report.
 
 Expects what follow_stage.py does, TRACK, ffmpeg and pulseaudio.
-Usage: follow_listen.py [PART ...]      of file, learn, server and, by hand on an idle computer, player; all by default"""
+Usage: follow_listen.py [PART ...]      of file, hang, learn, saver, server and, by hand on an idle computer, player; all by default"""
 
 import contextlib
 import functools
 import hashlib
 import http.server
 import json
-import math
 import os
-import random
 import resource
 import signal
+import socket
 import statistics
-import struct
 import subprocess
 import threading
-import wave
 
 import follow_trace
+from film_sound import make_sound
 from follow_stage import FOLLOW, LATEST, Mpv, run, start, started, wait_until, work
 from null_sink import NullSink
 
 TRACK = os.environ["TRACK"]
-RATE, SECONDS = 16000, 60
+SECONDS = 60
 FIRST = 20  # s: where the film is heard from
-
-
-def make_sound(path, seed, seconds=SECONDS):
-    """Tones and noise, at random."""
-    chance, samples, at = random.Random(seed), [0.0] * (RATE * seconds), 0.0
-    while at < seconds:
-        hertz, length, tone = chance.uniform(200, 3000), chance.uniform(0.05, 0.5), chance.uniform(0, 0.3)
-        first = int(at * RATE)
-        for i in range(first, min(len(samples), first + int(length * RATE))):
-            time = (i - first) / RATE
-            samples[i] += (tone * math.sin(2 * math.pi * hertz * time) + (0.3 - tone) * chance.uniform(-0.5, 0.5)) * (1 - time / length)
-        at += chance.uniform(0.03, 0.3)
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE)
-        file.writeframes(struct.pack(f"<{len(samples)}h", *(int(max(-1, min(1, 0.6 * sample)) * 32767) for sample in samples)))
-    return path
 
 
 def track(*words):
@@ -70,7 +50,7 @@ def learn_film(name, sound, folder, seconds):
 def make_film():
     library = work / "library"
     library.mkdir()
-    sound = make_sound(work / "film.wav", 5)
+    sound = make_sound(work / "film.wav", 5, SECONDS)
     film = learn_film("Known", sound, library, SECONDS)
     assert (library / "Known.heard").stat().st_size < 40_000
     heard = work / "heard.wav"
@@ -139,18 +119,76 @@ def file():
         assert "listens to" not in listener.said(), listener.said()
     lacking = Listener("lacking", "--listen", "--mpv=/nowhere")
     assert lacking.process.wait(LATEST) == 2 and "--listen needs --tracks" in lacking.said(), lacking.said()
-    # No entries at first: it tries again, and --once goes on. A film that is learned behind a locked screen is known after.
+    # No entries at first: it tries again, and --once goes on. A film that is learned while it listens is known after.
     late = work / "late"
     late.mkdir()
     listener = Listener("late", f"--listen={heard}", f"--tracks={late}", "--mpv=/nowhere")
     listener.wait_for("make them with tactile-track learn")
     learn_film("Other", other, late, 12)
     listener.wait_for("listens to '")
+    (late / "Known.new").write_bytes((library / "Known.heard").read_bytes())
+    (late / "Known.new").rename(late / "Known.heard")
+    listener.wait_for("plays 'Known.mkv' with the track of its entry")
+    listener.end()
+
+
+class DeafServer:
+    """A sound server that answers nothing."""
+
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.bind(str(path))
+        self.socket.listen()
+        self.connections, self.closed = [], False
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        while True:
+            connection, _ = self.socket.accept()
+            self.connections.append(connection)
+            while connection.recv(1 << 16):
+                pass
+            self.closed = True
+
+
+def hang():
+    """A sound server that hangs holds neither another player's film nor the end."""
+    film, library, _ = make_film()
+    deaf = DeafServer(work / "deaf.socket")
+    mpv = Mpv(film)
+    listener = Listener("hang", "--listen=null.monitor", f"--tracks={library}", f"--mpv={mpv.path}", "--no-drafts",
+                        environment=dict(os.environ, PULSE_SERVER=f"unix:{work}/deaf.socket"))
+    listener.wait_for("plays 'Known.mkv' with '")
+    wait_until("a connection", lambda: deaf.connections)
     set_saver(True)
     listener.wait_for("the screen saver is on")
-    (late / "Known.heard").write_bytes((library / "Known.heard").read_bytes())
+    assert not deaf.closed, "it waited for the sound server"
     set_saver(False)
+    listener.wait_for("the chair is used again")
+    listener.process.send_signal(signal.SIGINT)
+    listener.end()
+    mpv.quit()
+
+
+def saver():
+    """The saver does not start while a film is heard; nothing holds it back after. The saver is a mock."""
+    _, library, heard = make_film()
+    name, path, log = "org.freedesktop.ScreenSaver", "/org/freedesktop/ScreenSaver", work / "saver.log"
+    start("/usr/bin/python3", "-m", "dbusmock", "--logfile", str(log), name, path, name)
+
+    def call(*words):
+        return subprocess.run(["gdbus", "call", "--session", f"--dest={name}", f"--object-path={path}", *words], capture_output=True, check=False).returncode == 0
+
+    wait_until("the mock", lambda: call("--method=org.freedesktop.DBus.Peer.Ping"))
+    for method, takes, gives, code in ("Inhibit", "ss", "u", "ret = 7"), ("UnInhibit", "u", "", ""):
+        assert call("--method=org.freedesktop.DBus.Mock.AddMethod", name, method, takes, gives, code)
+    listener = Listener("saver", f"--listen={heard}", f"--tracks={library}", "--mpv=/nowhere")
     listener.wait_for("plays 'Known.mkv' with the track of its entry")
+    wait_until("Inhibit", lambda: ' Inhibit "visuotactile-follow"' in log.read_text(encoding="utf-8"))
+    assert "UnInhibit" not in log.read_text(encoding="utf-8")
+    set_saver(True)  # by hand
+    wait_until("UnInhibit", lambda: " UnInhibit 7" in log.read_text(encoding="utf-8"))
+    listener.process.send_signal(signal.SIGINT)
     listener.end()
 
 
@@ -239,4 +277,4 @@ def player():
     sound.stop()
 
 
-run({"file": file, "learn": learn, "server": server, "player": player})
+run({"file": file, "hang": hang, "learn": learn, "saver": saver, "server": server, "player": player})

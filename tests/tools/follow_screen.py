@@ -22,13 +22,14 @@ KNOWN_TO = 0.003  # s: frames whose time is known less exactly do not count
 SOUND = "if(lt(mod(t\\,1)\\,0.05)\\,0.5*sin(2*PI*1000*t)\\,0)"  # begins with each second
 
 
-def make_film(path, seconds):
+def make_film(path, seconds, sound=None):
+    """`sound`: a file instead of the tones."""
     rows = bytearray()
     for number in range(seconds * RATE):
         gray = number ^ (number >> 1)
         rows += bytes([235] + [235 if gray >> bit & 1 else 16 for bit in range(BITS)] + [16])
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "gray", "-s", f"{BARS}x1", "-r", str(RATE), "-i", "-",
-                    "-f", "lavfi", "-i", f"aevalsrc={SOUND}:s=48000:d={seconds}", "-c:a", "flac",
+                    *(["-i", str(sound)] if sound else ["-f", "lavfi", "-i", f"aevalsrc={SOUND}:s=48000:d={seconds}"]), "-c:a", "flac",
                     "-vf", f"scale={WIDTH}:{HEIGHT}:flags=neighbor,format=yuv420p", "-c:v", "libx264", "-preset", "ultrafast", "-qp", "8", "-g", str(RATE),
                     str(path)], input=bytes(rows), check=True)
     os.chmod(path, 0o644)

@@ -19,14 +19,14 @@ def appears(path):
 
 
 class NullSink:
-    """`socket` is the path of its socket, at which anybody is let in."""
+    """`socket` is the path of its socket, at which anybody is let in. `more`: launch lines of modules."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *more):
         self.socket = f"{folder}/pulse.socket"
         env = os.environ | {name: str(folder) for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_STATE_HOME", "HOME")}
         try:
             self.process = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
-                                             "--load=module-null-sink sink_name=null",
+                                             "--load=module-null-sink sink_name=null", *(f"--load={line}" for line in more),
                                              f"--load=module-native-protocol-unix socket={self.socket} auth-anonymous=1"], env=env)
         except FileNotFoundError:
             sys.exit("there is no pulseaudio: run tools/setup.sh test")

@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <condition_variable>
 #include <iterator>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <utility>
+#include <vector>
 
 using follow::Doing;
 using follow::local_time;
@@ -23,6 +26,21 @@ constexpr int kRate = 16000;                          // Hz
 constexpr GstClockTime kPatience = 100 * GST_MSECOND; ///< between looks whether it shall stop
 constexpr const char *kMonitor = "monitor";
 constexpr std::size_t kMostComplaints = 20;
+constexpr Time kLooksEvery = std::chrono::seconds(1); ///< whether there are new entries
+constexpr std::chrono::seconds kQuiet(2);             ///< no entry is being added any more
+
+/// Threads that listen.
+std::mutex count_mutex;
+std::condition_variable count_changed;
+int count = 0;
+
+void
+add_to_count(int by)
+{
+  const std::lock_guard lock(count_mutex);
+  count += by;
+  count_changed.notify_all();
+}
 
 bool
 is_sound_file(const std::string &source)
@@ -50,6 +68,70 @@ source_line(const std::string &source)
 
 } // namespace
 
+/// What the listening thread has. It lives until this thread ends.
+class FilmListener::Ear : public std::enable_shared_from_this<Ear>
+{
+public:
+  Ear(FilmListener &owner, Settings settings, KnownFilms films)
+      : owner_(&owner), settings_(std::move(settings)),
+        context_(g_main_context_ref_thread_default()), stop_(g_cancellable_new()),
+        films_(std::move(films))
+  {
+  }
+  ~Ear()
+  {
+    g_object_unref(stop_);
+    g_main_context_unref(context_);
+  }
+  Ear(const Ear &) = delete;
+  Ear &operator=(const Ear &) = delete;
+
+  void start()
+  {
+    add_to_count(1);
+    std::thread([self = shared_from_this()]() mutable {
+      self->listen();
+      self.reset();
+      add_to_count(-1);
+    }).detach();
+  }
+  /// The owner is no more. Main context's thread.
+  void leave();
+
+private:
+  void listen();
+  void load();
+  bool stops() const
+  {
+    return g_cancellable_is_cancelled(stop_) != FALSE;
+  }
+  void hear();
+  std::filesystem::file_time_type library_changed() const;
+  bool has_new_entries();
+  void expect_source(GstBus *bus) const;
+  void add(GstSample *sample, listen::Listener &listener);
+  void post(News news);
+  static gboolean on_news(gpointer self);
+
+  FilmListener *owner_; ///< of the main context's thread
+  const Settings settings_;
+  GMainContext *context_;
+  GCancellable *stop_;
+  std::mutex mutex_; ///< guards the next two
+  std::vector<News> news_;
+  GSource *source_ = nullptr; ///< until it was dispatched
+  // Of the listening thread:
+  KnownFilms films_;
+  int loads_ = 0;
+  Time looked_{ 0 };
+  Time base_{ 0 };       ///< local time of running time 0
+  bool listens_ = false; ///< sound has come
+  bool knew_ = false;
+  std::size_t film_number_ = 0;
+  std::optional<std::size_t> changed_{}; ///< a film whose entry has changed, reported last
+  std::shared_ptr<const tactile::Track> known_track_;
+};
+
 std::string
 FilmListener::source_name(const std::string &source)
 {
@@ -59,44 +141,55 @@ FilmListener::source_name(const std::string &source)
 }
 
 FilmListener::FilmListener(Settings settings, follow::PlayerEvents events, Calls calls,
-                           std::shared_ptr<const listen::Catalogue> catalogue)
-    : name_("listen (" + source_name(settings.source) + ")"), settings_(std::move(settings)),
+                           KnownFilms films)
+    : name_("listen (" + source_name(settings.source) + ")"), latency_(settings.latency),
       events_(std::move(events)), calls_(std::move(calls)),
-      context_(g_main_context_ref_thread_default()), stop_(g_cancellable_new()),
-      catalogue_(std::move(catalogue))
+      ear_(std::make_shared<Ear>(*this, std::move(settings), std::move(films)))
 {
-  thread_ = std::thread([this] { listen(); });
+  ear_->start();
 }
 
 FilmListener::~FilmListener()
 {
-  g_cancellable_cancel(stop_);
-  thread_.join();
-  if (source_ != nullptr) {
-    g_source_destroy(source_);
-    g_source_unref(source_);
-  }
-  g_object_unref(stop_);
-  g_main_context_unref(context_);
+  ear_->leave();
+}
+
+bool
+FilmListener::have_ended(std::chrono::milliseconds within)
+{
+  std::unique_lock lock(count_mutex);
+  return count_changed.wait_for(lock, within, [] { return count == 0; });
 }
 
 void
-FilmListener::listen()
+FilmListener::Ear::leave()
+{
+  g_cancellable_cancel(stop_); // post() attaches no more
+  const std::lock_guard lock(mutex_);
+  if (source_ != nullptr) {
+    g_source_destroy(source_);
+    g_clear_pointer(&source_, g_source_unref);
+  }
+}
+
+void
+FilmListener::Ear::listen()
 {
   try {
-    if (!catalogue_)
+    if (!films_.catalogue)
       load();
     if (!stops())
       hear();
   } catch (const std::exception &error) {
     // A file that cannot be decoded never can; entries may come later.
-    post({ .ended = catalogue_ && is_sound_file(settings_.source), .gone = error.what() });
+    post({ .ended = films_.catalogue && is_sound_file(settings_.source), .gone = error.what() });
   }
 }
 
 void
-FilmListener::load()
+FilmListener::Ear::load()
 {
+  const auto changed = library_changed(); // later ones are seen by has_new_entries()
   std::vector<std::string> complaints;
   auto entries = library::heard_entries(settings_.library, complaints, stop_);
   if (stops())
@@ -117,12 +210,34 @@ FilmListener::load()
   if (complaints.size() > kMostComplaints)
     post({ .said
            = std::to_string(complaints.size() - kMostComplaints) + " more entries are faulty" });
-  catalogue_ = std::move(catalogue);
-  post({ .loaded = catalogue_ });
+  films_ = { .catalogue = std::move(catalogue), .changed = changed };
+  loads_++;
+  known_track_.reset();
+  changed_.reset();
+  post({ .loaded = films_ });
+}
+
+std::filesystem::file_time_type
+FilmListener::Ear::library_changed() const
+{
+  std::error_code error; // an address has no time
+  return std::filesystem::last_write_time(settings_.library, error);
+}
+
+bool
+FilmListener::Ear::has_new_entries()
+{
+  const Time now = local_time();
+  if (now - looked_ < kLooksEvery)
+    return false;
+  looked_ = now;
+  const auto changed = library_changed();
+  return changed != films_.changed
+         && std::filesystem::file_time_type::clock::now() - changed > kQuiet;
 }
 
 void
-FilmListener::hear()
+FilmListener::Ear::hear()
 {
   const Pipeline pipeline
       = make_pipeline(source_line(settings_.source)
@@ -142,17 +257,22 @@ FilmListener::hear()
   if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
                              + start_error(bus.get()));
-  listen::Listener listener(*catalogue_, kRate);
+  std::optional<listen::Listener> listener(std::in_place, *films_.catalogue, kRate);
   auto *sound = GST_APP_SINK(sink.get());
   while (!stops() && gst_app_sink_is_eos(sound) == FALSE) {
     g_autoptr(GstSample) sample = gst_app_sink_try_pull_sample(sound, kPatience);
     expect_source(bus.get());
     if (sample != nullptr && !std::exchange(listens_, true))
       post({ .said = "listens to " + source_name(settings_.source) + " for "
-                     + std::to_string(catalogue_->index().films())
+                     + std::to_string(films_.catalogue->index().films())
                      + " films; sound is neither stored nor sent" });
     if (sample != nullptr)
-      add(sample, listener);
+      add(sample, *listener);
+    if (!listener->knows() && has_new_entries()) {
+      load();
+      if (!stops())
+        listener.emplace(*films_.catalogue, kRate);
+    }
   }
   if (gst_app_sink_is_eos(sound) != FALSE)
     post({ .ended = is_sound_file(settings_.source), .gone = "the sound has ended" });
@@ -161,7 +281,7 @@ FilmListener::hear()
 /// Throws std::runtime_error with an error of the pipeline. Where no microphone can be opened,
 /// autoaudiosrc posts a warning and is a source of silence.
 void
-FilmListener::expect_source(GstBus *bus) const
+FilmListener::Ear::expect_source(GstBus *bus) const
 {
   while (true) {
     g_autoptr(GstMessage) message = gst_bus_pop_filtered(
@@ -180,7 +300,7 @@ FilmListener::expect_source(GstBus *bus) const
 }
 
 void
-FilmListener::add(GstSample *sample, listen::Listener &listener)
+FilmListener::Ear::add(GstSample *sample, listen::Listener &listener)
 {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   const GstClockTime running = gst_segment_to_running_time(gst_sample_get_segment(sample),
@@ -198,7 +318,7 @@ FilmListener::add(GstSample *sample, listen::Listener &listener)
   }
   if (!heard)
     return;
-  const listen::Entry &film = catalogue_->films()[heard->film];
+  const listen::Entry &film = films_.catalogue->films()[heard->film];
   if (!known_track_ || heard->film != film_number_) {
     const auto text = film.track();
     if (!text) {
@@ -218,14 +338,17 @@ FilmListener::add(GstSample *sample, listen::Listener &listener)
   }
   g_autofree gchar *name = g_uri_escape_string(film.film().c_str(), nullptr, TRUE);
   post({ .heard = heard,
-         .film = "heard://" + std::to_string(heard->film) + "/" + name,
+         .film
+         = "heard://" + std::to_string(loads_) + "." + std::to_string(heard->film) + "/" + name,
          .track = known_track_ });
 }
 
 void
-FilmListener::post(News news)
+FilmListener::Ear::post(News news)
 {
   const std::lock_guard lock(mutex_);
+  if (stops())
+    return;
   news_.push_back(std::move(news));
   if (source_ != nullptr)
     return;
@@ -236,9 +359,9 @@ FilmListener::post(News news)
 }
 
 gboolean
-FilmListener::on_news(gpointer data)
+FilmListener::Ear::on_news(gpointer data)
 {
-  auto *self = static_cast<FilmListener *>(data);
+  auto *self = static_cast<Ear *>(data);
   std::vector<News> news;
   {
     const std::lock_guard lock(self->mutex_);
@@ -246,7 +369,7 @@ FilmListener::on_news(gpointer data)
     g_clear_pointer(&self->source_, g_source_unref);
   }
   for (const News &one : news)
-    self->take(one);
+    self->owner_->take(one);
   return G_SOURCE_REMOVE;
 }
 
@@ -257,7 +380,7 @@ FilmListener::take(const News &news)
   if (!news.said.empty())
     calls_.said(news.said);
   if (news.loaded)
-    calls_.loaded(news.loaded);
+    calls_.loaded(*news.loaded);
   if (news.ended)
     calls_.ended();
   if (!news.gone.empty()) {
@@ -272,7 +395,7 @@ FilmListener::take(const News &news)
     return;
   film_ = news.film;
   track_ = news.track;
-  events_.reported(report(*news.heard, film_, settings_.latency, now));
+  events_.reported(report(*news.heard, film_, latency_, now));
 }
 
 Report

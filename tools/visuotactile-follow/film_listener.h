@@ -6,16 +6,23 @@
 #include "library/heard.h"
 #include "listen/listener.h"
 
+#include <chrono>
+#include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
+
+/// The films that a listener knows, and the time of the last change of their folder.
+struct KnownFilms
+{
+  std::shared_ptr<const listen::Catalogue> catalogue;
+  std::filesystem::file_time_type changed;
+};
 
 /// Reports, like a player, the film of the catalogue whose sound it detects. Sound is neither
 /// stored nor sent. Thread of the main context in which it was made; a thread of its own analyzes
-/// sound.
+/// sound. Its destructor does not wait for this thread, which a sound server may hold.
 class FilmListener : public follow::Player
 {
 public:
@@ -31,15 +38,15 @@ public:
   struct Calls
   {
     std::function<void(const std::string &)> said;
-    /// The catalogue was loaded. It can be used by the next listener.
-    std::function<void(std::shared_ptr<const listen::Catalogue>)> loaded;
+    /// The films were loaded. They can be used by the next listener.
+    std::function<void(const KnownFilms &)> loaded;
     /// A file was heard to its end, or cannot be decoded: events.gone follows, for good.
     std::function<void()> ended;
   };
 
-  /// Without a catalogue, one is loaded.
-  FilmListener(Settings settings, follow::PlayerEvents events, Calls calls,
-               std::shared_ptr<const listen::Catalogue> catalogue);
+  /// Without a catalogue, one is loaded. When entries are added to the library's folder while no
+  /// film is heard, it is loaded again.
+  FilmListener(Settings settings, follow::PlayerEvents events, Calls calls, KnownFilms films);
   ~FilmListener() override;
   FilmListener(const FilmListener &) = delete;
   FilmListener &operator=(const FilmListener &) = delete;
@@ -76,6 +83,10 @@ public:
   /// Its name for messages: "the microphone".
   static std::string source_name(const std::string &source);
 
+  /// Whether the threads of all listeners that are no more have ended, after waiting at most so
+  /// long.
+  static bool have_ended(std::chrono::milliseconds within);
+
 private:
   /// News from the listening thread for the main context's.
   struct News
@@ -83,44 +94,21 @@ private:
     std::optional<listen::Heard> heard{};
     std::string film{};
     std::shared_ptr<const tactile::Track> track{};
-    std::shared_ptr<const listen::Catalogue> loaded{};
+    std::optional<KnownFilms> loaded{};
     bool lost = false;
     bool ended = false;
     std::string said{};
     std::string gone{};
   };
+  class Ear;
 
-  void listen();
-  void load();
-  bool stops() const
-  {
-    return g_cancellable_is_cancelled(stop_) != FALSE;
-  }
-  void hear();
-  void expect_source(GstBus *bus) const;
-  void add(GstSample *sample, listen::Listener &listener);
-  void post(News news);
   void take(const News &news);
-  static gboolean on_news(gpointer self);
 
   const std::string name_;
-  const Settings settings_;
+  const follow::Time latency_;
   const follow::PlayerEvents events_;
   const Calls calls_;
   std::shared_ptr<const tactile::Track> track_;
   std::string film_;
-  GMainContext *context_;
-  GCancellable *stop_;
-  std::mutex mutex_; ///< guards the next two
-  std::vector<News> news_;
-  GSource *source_ = nullptr; ///< until it was dispatched
-  follow::Time base_{ 0 };    ///< local time of running time 0
-  /// Of the listening thread, like the next.
-  std::shared_ptr<const listen::Catalogue> catalogue_;
-  bool listens_ = false; ///< sound has come
-  bool knew_ = false;
-  std::size_t film_number_ = 0;
-  std::optional<std::size_t> changed_{}; ///< a film whose entry has changed, reported last
-  std::shared_ptr<const tactile::Track> known_track_;
-  std::thread thread_;
+  std::shared_ptr<Ear> ear_;
 };

@@ -27,6 +27,7 @@ constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
 constexpr const char *kKodi = "kodi";
 constexpr const char *kSound = "listen";
+constexpr std::chrono::milliseconds kGoodbye(1000);          ///< for the listening thread
 constexpr double kNudge = 10;                                ///< ms, by a signal
 constexpr follow::Time kPatience = std::chrono::seconds(30); ///< after a sleep
 
@@ -121,6 +122,7 @@ Follower::~Follower()
   if (ticks_ != 0)
     g_source_remove(ticks_);
   players_.clear();
+  FilmListener::have_ended(kGoodbye);
   names_.reset();
   kodi_.reset();
   service_.reset();
@@ -237,17 +239,18 @@ void
 Follower::look_for_sound()
 {
   if (!listens_ || rests_ || lists_ || players_.contains(kSound) || players_.size() >= kMostPlayers
-      || !attempts_[kSound].retry.is_due(local_time()))
+      || !attempts_[kSound].retry.is_due(local_time())
+      || !FilmListener::have_ended(std::chrono::milliseconds(0))) // the last one may hang
     return;
   FilmListener::Calls calls{ .said = [this](const std::string &text) { tell(text); },
-                             .loaded = [this](auto catalogue) { catalogue_ = catalogue; },
+                             .loaded = [this](const KnownFilms &films) { known_films_ = films; },
                              .ended =
                                  [this] {
                                    listens_ = false;
-                                   catalogue_.reset();
+                                   known_films_ = {};
                                  } };
   add(kSound, std::make_unique<FilmListener>(*settings_.listens, events_of(kSound),
-                                             std::move(calls), catalogue_));
+                                             std::move(calls), known_films_));
 }
 
 void
@@ -450,7 +453,7 @@ Follower::rest(bool rests, const std::string &why)
         current_ = nullptr;
       players_.erase(sound);
     }
-    catalogue_.reset(); // it may have changed when somebody returns
+    known_films_ = {}; // they may have changed when somebody returns
     tell("nothing is felt: " + why);
   } else {
     tell("the chair is used again");
@@ -527,6 +530,10 @@ Follower::step()
   update();
   if (current_ != nullptr)
     tell_of_player();
+  if (session_)
+    session_->keep_awake(!rests_ && current_ != nullptr && !current_->is_gone
+                         && current_->player->source() != follow::Source::player
+                         && current_->last.doing == Doing::playing);
   if (!rests_)
     film_track_.step(position_, local_time());
   if (!track_ && !film_track_.is_looking())

@@ -144,6 +144,6 @@ private:
     std::string failure{}; ///< the last one, as the user knows it
   };
   std::map<std::string, Attempts> attempts_;
-  std::shared_ptr<const listen::Catalogue> catalogue_;
-  bool lists_ = false; ///< the players, and follows none
+  KnownFilms known_films_; ///< by their sound
+  bool lists_ = false;     ///< the players, and follows none
 };

@@ -26,6 +26,8 @@ constexpr const char *kSavers[]
     = { "org.freedesktop.ScreenSaver", "org.gnome.ScreenSaver", "org.cinnamon.ScreenSaver",
         "org.mate.ScreenSaver", "org.xfce.ScreenSaver" };
 
+constexpr const char *kSaverPath = "/org/freedesktop/ScreenSaver";
+
 bool
 flag(GVariant *parameters)
 {
@@ -124,6 +126,47 @@ SessionWatch::set_saver(const std::string &saver, bool is_on)
   set(kSaver, !savers_.empty());
   if (!is_on)
     somebody_is_there();
+}
+
+void
+SessionWatch::keep_awake(bool keeps)
+{
+  if (std::exchange(keeps_awake_, keeps) == keeps || session_ == nullptr || asks_saver_)
+    return;
+  if (!keeps) {
+    let_sleep();
+    return;
+  }
+  asks_saver_ = true;
+  g_dbus_connection_call(session_, kSavers[0], kSaverPath, kSavers[0], "Inhibit",
+                         g_variant_new("(ss)", program_.c_str(), "A film plays on another screen"),
+                         G_VARIANT_TYPE("(u)"), G_DBUS_CALL_FLAGS_NO_AUTO_START, -1, canceled_,
+                         on_awake, this);
+}
+
+void
+SessionWatch::on_awake(GObject *bus, GAsyncResult *result, gpointer data)
+{
+  g_autoptr(GError) error = nullptr;
+  g_autoptr(GVariant) answer
+      = g_dbus_connection_call_finish(G_DBUS_CONNECTION(bus), result, &error);
+  if (g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
+    return; // the watch is no more
+  auto *self = static_cast<SessionWatch *>(data);
+  self->asks_saver_ = false;
+  if (answer != nullptr) // a desktop without it has its own ways
+    g_variant_get(answer, "(u)", &self->cookie_);
+  if (!self->keeps_awake_)
+    self->let_sleep();
+}
+
+void
+SessionWatch::let_sleep()
+{
+  if (const guint32 cookie = std::exchange(cookie_, 0); cookie != 0)
+    g_dbus_connection_call(session_, kSavers[0], kSaverPath, kSavers[0], "UnInhibit",
+                           g_variant_new("(u)", cookie), nullptr, G_DBUS_CALL_FLAGS_NO_AUTO_START,
+                           -1, nullptr, nullptr, nullptr);
 }
 
 void

@@ -28,6 +28,9 @@ public:
   /// Ends all reasons: the screen is not locked any more. Not every locker reports its end.
   void somebody_is_there();
 
+  /// While a film plays on another screen, prevents this computer's saver from starting.
+  void keep_awake(bool keeps);
+
 private:
   void subscribe(GDBusConnection *bus, const char *sender, const char *interface,
                  const char *signal, const char *path, GDBusSignalCallback callback);
@@ -35,12 +38,14 @@ private:
   void delay_sleep();
   void set(const std::string &reason, bool holds);
   void set_saver(const std::string &saver, bool is_on);
+  void let_sleep();
 
   static void on_system_bus(GObject *source, GAsyncResult *result, gpointer self);
   static void on_session(GObject *bus, GAsyncResult *result, gpointer self);
   static void on_locked(GObject *bus, GAsyncResult *result, gpointer self);
   static void on_saver(GDBusConnection *bus, const gchar *name, const gchar *owner, gpointer self);
   static void on_saver_gone(GDBusConnection *bus, const gchar *name, gpointer self);
+  static void on_awake(GObject *bus, GAsyncResult *result, gpointer self);
   static void on_delay(GObject *bus, GAsyncResult *result, gpointer self);
 
   const std::string program_;
@@ -52,5 +57,8 @@ private:
   std::vector<guint> names_; ///< that are watched
   std::set<std::string> reasons_;
   std::set<std::string> savers_; ///< that are on
+  bool keeps_awake_ = false;
+  bool asks_saver_ = false; ///< until it answers
+  guint32 cookie_ = 0;      ///< of the saver, while it is prevented
   int delay_ = -1; ///< file descriptor; the computer waits with sleeping until it is closed
 };

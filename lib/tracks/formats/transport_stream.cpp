@@ -250,7 +250,10 @@ TransportTrack::scan_map(int pid, Bytes section)
     used_.set(static_cast<std::size_t>(of));
     if (is_picture(type) && video < 0)
       video = of;
-    if (type == kPrivateData && !std::ranges::search(stream, kKlvDescriptor).empty())
+    // clang 14, of the fuzzers, knows no std::ranges::search.
+    if (type == kPrivateData
+        && std::search(stream.begin(), stream.end(), kKlvDescriptor.begin(), kKlvDescriptor.end())
+               != stream.end())
       klv_.insert(of);
   });
   if (video < 0)

@@ -3,7 +3,6 @@
 // When places that searches find are believed: scores and times are set.
 #include "listen/decision.h"
 
-#include <array>
 #include <vector>
 
 #include "support/unwrap.h"
@@ -13,8 +12,6 @@ using listen::Candidate;
 namespace {
 
 constexpr std::int64_t kSecond = 250;
-constexpr std::array kRates{ 1.0, 25.0 / 24 };
-constexpr std::array kOthers{ 1.0, 24.0 / 25 };
 constexpr Candidate kHere{ .film = 1, .step = 1000, .score = 6 };
 constexpr Candidate kThere{ .film = 2, .step = 500, .score = 6 };
 constexpr Candidate kChance{ .film = 3, .step = 9, .score = 4 };
@@ -25,10 +22,10 @@ struct Searches
   std::int64_t now = 0;
 
   /// Half a second later.
-  bool finds(const std::vector<Candidate> &found, std::span<const double> rates = kRates)
+  bool finds(const std::vector<Candidate> &found)
   {
     now += kSecond / 2;
-    return decision.take(found, rates, now).has_value();
+    return decision.take(found, now).has_value();
   }
 };
 
@@ -41,7 +38,9 @@ GST_START_TEST(test_sure)
   Candidate high = kHere;
   high.score = 7.5;
   fail_unless(searches.finds({ kChance, high }));
-  fail_if(searches.finds({ kThere, high }), "another place is as good");
+  Candidate other = kThere;
+  other.score = 6.5;
+  fail_if(searches.finds({ other, high }), "another place is as good");
 }
 GST_END_TEST;
 
@@ -77,18 +76,6 @@ GST_START_TEST(test_disagreement)
 }
 GST_END_TEST;
 
-/// Each second search alone looks for a film at television's speed.
-GST_START_TEST(test_rates)
-{
-  Candidate fast = kHere;
-  fast.rate = kRates[1];
-  Searches searches;
-  for (int i = 0; i < 2; i++)
-    fail_if(searches.finds({ fast }, kRates) || searches.finds({ kChance }, kOthers));
-  fail_unless(searches.finds({ fast }, kRates));
-}
-GST_END_TEST;
-
 static Suite *
 decision_suite()
 {
@@ -97,7 +84,6 @@ decision_suite()
   tcase_add_test(tcase, test_sure);
   tcase_add_test(tcase, test_likely);
   tcase_add_test(tcase, test_disagreement);
-  tcase_add_test(tcase, test_rates);
   suite_add_tcase(suite, tcase);
   return suite;
 }

@@ -138,11 +138,28 @@ GST_START_TEST(test_delay)
     onsets.erase(onsets.begin(), onsets.begin() + 100); // of the cut
     onsets.resize(1000);
     const auto window = std::span(reference).subspan(250 + 100 - 60);
-    const listen::Fit fit = listen::fit(onsets, window, 1, 60);
+    const listen::Fit fit = listen::fit(listen::weighted(onsets), window, 1, 60);
     const double samples = (60 - fit.step) * listen::Onsets::kHop;
     fail_unless(std::abs(samples - delay) < 1 && fit.score > 15, "%d samples: %.2f, score %.1f",
                 delay, samples, fit.score);
   }
+}
+GST_END_TEST;
+
+/// Of a steady noise, louder onsets have more weight than those within it.
+GST_START_TEST(test_weights)
+{
+  std::vector<listen::Onset> onsets(90);
+  for (std::size_t n = 0; n < onsets.size(); n++) {
+    onsets[n].change.fill(n % 2 == 0 ? 0.5F : -0.5F);
+    onsets[n].level.fill(n < 60 ? -8.0F : -2.0F);
+  }
+  const auto changes = listen::weighted(onsets);
+  for (const std::size_t band : { std::size_t{ 0 }, listen::kBands - 1 }) {
+    fail_unless(changes[10][band] > 0 && changes[11][band] == -changes[10][band]);
+    fail_unless(changes[70][band] > 2 * changes[10][band]);
+  }
+  fail_unless(listen::weighted({}).empty());
 }
 GST_END_TEST;
 
@@ -345,6 +362,43 @@ GST_START_TEST(test_hostile_entry)
 }
 GST_END_TEST;
 
+/// So many votes that a search counts them in stretches of the time line: the place is found
+/// wherever it is, and what comes after a stretch is not missed.
+GST_START_TEST(test_stretches)
+{
+  constexpr std::int64_t kFrames = 62 * 600;
+  constexpr std::size_t kCrowd = 120;
+  const std::vector<std::int64_t> films(kCrowd, kFrames);
+  for (const std::size_t mine : { std::size_t{ 0 }, std::size_t{ 59 }, kCrowd - 1 })
+    for (const std::int64_t at : { std::int64_t{ 0 }, std::int64_t{ 20'000 } }) {
+      const listen::HashIndex index(
+          films,
+          [&](std::size_t film, unsigned) {
+            Random random(film + 1);
+            std::vector<listen::RankedHash> hashes;
+            for (std::int64_t frame = 0; frame < kFrames; frame += 2)
+              hashes.push_back(
+                  { .frame = frame, .value = static_cast<std::uint32_t>(random.below(60'000)) });
+            for (std::uint32_t i = 0; film == mine && i < 40; i++)
+              hashes[static_cast<std::size_t>(at) / 2 + i].value = 100 + i;
+            return hashes;
+          },
+          std::size_t{ 64 } << 20);
+      std::vector<listen::Hash> heard;
+      for (std::uint32_t i = 0; i < 40; i++)
+        for (int times = 0; times < 20; times++)
+          heard.push_back({ .frame = 2 * i, .value = 100 + i });
+      for (std::uint32_t value = 0; value < 60'000; value++)
+        heard.insert(heard.end(), 2, { .frame = 0, .value = value });
+      const auto found = index.search(heard, 3);
+      fail_unless(found.votes > 2'500'000, "%zu votes", found.votes);
+      fail_unless(!found.places.empty() && found.places[0].film == mine
+                      && std::abs(found.places[0].frame - at) <= 2 && found.places[0].votes >= 800,
+                  "film %zu", mine);
+    }
+}
+GST_END_TEST;
+
 /// A catalogue takes no more memory than it may.
 GST_START_TEST(test_memory)
 {
@@ -373,6 +427,7 @@ listen_suite()
   TCase *tcase = tcase_create("general");
   tcase_set_timeout(tcase, 0);
   tcase_add_test(tcase, test_delay);
+  tcase_add_test(tcase, test_weights);
   tcase_add_test(tcase, test_any_rate);
   tcase_add_test(tcase, test_television);
   tcase_add_test(tcase, test_drift);
@@ -384,6 +439,7 @@ listen_suite()
   tcase_add_test(tcase, test_alike);
   tcase_add_test(tcase, test_entry);
   tcase_add_test(tcase, test_hostile_entry);
+  tcase_add_test(tcase, test_stretches);
   tcase_add_test(tcase, test_memory);
   suite_add_tcase(suite, tcase);
   return suite;

@@ -28,9 +28,9 @@ render(const SyntheticSound &made, double seconds, int rate, std::span<const Spe
 /// In blocks of `block` frames.
 std::vector<Moment>
 analyze(std::span<const float> frames, int rate, std::span<const Speaker> speakers,
-        std::size_t block = 4096)
+        std::size_t block = 4096, bool looks_ahead = false)
 {
-  SoundAnalyzer analyzer(rate, speakers);
+  SoundAnalyzer analyzer(rate, speakers, looks_ahead);
   std::vector<Moment> result;
   block *= speakers.size();
   for (std::size_t at = 0; at < frames.size(); at += block) {
@@ -245,6 +245,66 @@ GST_START_TEST(test_strength)
 }
 GST_END_TEST;
 
+// What is felt has the sound's own low pitch, within half of a third of an octave.
+GST_START_TEST(test_pitch)
+{
+  const auto mono = usual_speakers(1);
+  for (const double hz : { 25.0, 31.5, 40.0, 50.0, 60.0 }) {
+    const auto moments = analyze(tone(hz, 0.1 * std::numbers::sqrt2, 2), kTestRate, mono);
+    fail_unless(moments.back().level > 0);
+    const double felt = static_cast<double>(moments.back().frequency);
+    fail_unless(std::abs(std::log2(felt / hz)) < 0.2, "%.0f Hz is felt at %.0f Hz", hz, felt);
+  }
+}
+GST_END_TEST;
+
+// Impacts of 40 to 110 Hz are felt there, but for the begin of some with a crack; without low
+// parts, above them.
+GST_START_TEST(test_pitch_of_impacts)
+{
+  const auto mono = usual_speakers(1);
+  const SyntheticSound made({ .seed = 2001, .seconds = 20 });
+  auto frames = render(made, 20, kTestRate, mono);
+  std::vector<float> high(frames.size());
+  for (std::size_t i = 4; i < frames.size(); i++) // a fourth difference: 24 dB an octave
+    high[i] = frames[i] - 4 * frames[i - 1] + 6 * frames[i - 2] - 4 * frames[i - 3] + frames[i - 4];
+  const float loudest = std::ranges::max(high);
+  for (float &frame : high)
+    frame *= 0.7F / loudest;
+  for (const bool is_high : { false, true }) {
+    int impacts = 0;
+    int felt = 0;
+    int right = 0;
+    for (const Moment &moment : analyze(is_high ? high : frames, kTestRate, mono)) {
+      if (moment.level <= 0)
+        continue;
+      impacts += moment.onset ? 1 : 0;
+      felt++;
+      right += is_high == (moment.frequency > 130) ? 1 : 0;
+      fail_unless(moment.frequency >= 20 && moment.frequency <= 320);
+    }
+    ck_assert_int_ge(10 * right, 9 * felt);
+    ck_assert_int_ge(impacts, is_high ? 2 : 8); // most high ones are like hi-hats
+  }
+}
+GST_END_TEST;
+
+// With 80 ms more, the same impacts at the same times.
+GST_START_TEST(test_looks_ahead)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2001, .seconds = 20 });
+  const auto frames = render(made, 20, kTestRate, speakers);
+  const auto found = onsets(analyze(frames, kTestRate, speakers, 4096, true));
+  ck_assert_uint_eq(found.size(), made.events().size());
+  for (std::size_t i = 0; i < found.size(); i++)
+    fail_unless(std::chrono::abs(found[i] - made.events()[i].begin)
+                <= std::chrono::milliseconds(20));
+  fail_unless(SoundAnalyzer(kTestRate, speakers, true).delay()
+              == SoundAnalyzer(kTestRate, speakers).delay() + std::chrono::milliseconds(80));
+}
+GST_END_TEST;
+
 // Impacts 6 dB stronger than the music around them: most have an onset, little else has one.
 GST_START_TEST(test_impacts_in_music)
 {
@@ -386,6 +446,9 @@ sound_analyzer_suite(void)
   tcase_add_test(tc, test_rumble_under_others);
   tcase_add_test(tc, test_engine_fades);
   tcase_add_test(tc, test_strength);
+  tcase_add_test(tc, test_pitch);
+  tcase_add_test(tc, test_pitch_of_impacts);
+  tcase_add_test(tc, test_looks_ahead);
   tcase_add_test(tc, test_impacts_in_music);
   tcase_add_test(tc, test_music);
   tcase_add_test(tc, test_hostile);
