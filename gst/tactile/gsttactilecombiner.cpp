@@ -7,8 +7,12 @@
  * tactilecombiner puts a stream of tactile maps, such as a designer's track from
  * `tactileconverter`, on the frames of a film: each frame gets a #GstTactileMeta with the map at
  * its start, or a silent one where the track has none. The track may be longer, shorter or later
- * than the film. Without a track, the film passes through. `tactileextractor` also sends the maps
- * that begin or end within a frame, at their own times; with the mixes `replace`, `max` and `sum`.
+ * than the film. Without a track, the film passes through.
+ *
+ * With the mixes `replace`, `max` and `sum`, `tactileextractor` also sends the maps that begin or
+ * end within a frame, at their own times, except those of sound: up to 1000 of a frame, then
+ * silence. With `max` and `sum` they are mixed with the frame's own such maps, as from
+ * `tactilesubtitles`; other mixes drop those.
  *
  * #GstTactileCombiner:mix determines what happens to a frame that already has a map, from
  * `saliencytactile`. Unless the map is replaced, the track is resampled to the frame's grid. With
@@ -17,8 +21,8 @@
  * sound, with `mix=accent` also without one. [Sound](../guide/sound.md#profiles) lists the mixes
  * of the profiles.
  *
- * A frame waits until the track is known for its time. Put a queue before `sink` that holds as
- * much as the branch of the track delays.
+ * A frame waits until the track is known for its begin, with these three mixes until its end. Put
+ * a queue before `sink` that holds a frame more than the branch of the track delays.
  *
  * ## Example launch lines
  * |[
@@ -45,6 +49,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -288,8 +293,13 @@ add_parts(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 begin, gint64 
       break;
     if (const GstFlowReturn flow = advance(self, pad, at); flow != GST_FLOW_OK)
       return flow;
-    parts.push_back(part_at(self, at));
-    if (parts.back().is_sound) // fusion/fusion.h
+    Part part = part_at(self, at);
+    if (!parts.empty() && part.is_sound) // pieces of sound are whole frames
+      break;
+    if (parts.size() + 1 == kMostMaps) // and holds until the next frame
+      std::ranges::fill(part.map.levels, 0.0F);
+    parts.push_back(std::move(part));
+    if (parts.back().is_sound)
       break;
   }
   return GST_FLOW_OK;
@@ -332,6 +342,9 @@ put_maps(GstTactileCombiner *self, GstBuffer *frame, const std::vector<Part> &pa
   }
   const TactileMap *own = has_own ? &film : nullptr;
   const TactileMap map = mixed(self, own, first, end, mix);
+  std::vector<LaterMap> own_later;
+  if ((mix == Mix::max || mix == Mix::sum) && !first.is_sound)
+    own_later = read_later_maps(frame);
   if (first.is_sound)
     add_sound_meta(frame, has_own ? added_to(film, map, mix) : map);
   GstTactileMeta *put = gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows),
@@ -341,16 +354,25 @@ put_maps(GstTactileCombiner *self, GstBuffer *frame, const std::vector<Part> &pa
   if (!has_own)
     gst_tactile_meta_set_video_direction(put, direction_at(GST_PAD(self->videopad)));
 
-  std::vector<LaterMap> later;
+  /* What begins at a time after the frame's: a map of its own, and a part of the track. */
+  std::map<fusion::Time, std::pair<const TactileMap *, const Part *>> changes;
+  for (const LaterMap &each : own_later)
+    changes[each.after].first = &each.map;
   for (const Part &part : std::span(parts).subspan(1)) {
     GST_OBJECT_LOCK(self->videopad);
     const GstClockTime begin
         = running_time::to_position(self->videopad->segment, fusion::Time(part.begin));
     GST_OBJECT_UNLOCK(self->videopad);
     if (GST_CLOCK_TIME_IS_VALID(begin) && begin > GST_BUFFER_PTS(frame))
-      later.push_back(
-          { fusion::Time(static_cast<gint64>(begin - GST_BUFFER_PTS(frame))),
-            tactile::resample(mixed(self, own, part, end, mix), map.rows, map.columns) });
+      changes[fusion::Time(static_cast<gint64>(begin - GST_BUFFER_PTS(frame)))].second = &part;
+  }
+  std::vector<LaterMap> later;
+  const Part *part = &first;
+  for (const auto &[after, change] : changes) {
+    own = change.first ? change.first : own;
+    part = change.second ? change.second : part;
+    later.push_back(
+        { after, tactile::resample(mixed(self, own, *part, end, mix), map.rows, map.columns) });
   }
   set_later_maps(frame, later);
 }
@@ -439,6 +461,8 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     GST_OBJECT_UNLOCK(self->videopad);
     /* Other mixes depend on what was before. */
     const bool splits = !is_reverse && (mix == Mix::replace || mix == Mix::max || mix == Mix::sum);
+    if (!parts.empty() && parts.front().begin != begin) /* the film alone was flushed */
+      parts.clear();
     const GstFlowReturn flow
         = add_parts(self, track, begin, splits ? std::max(end, begin + 1) : begin + 1);
     if (flow != GST_FLOW_OK && !(flow == GST_AGGREGATOR_FLOW_NEED_DATA && timeout)) {

@@ -37,7 +37,6 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
-#include <algorithm>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_extractor_debug);
@@ -89,10 +88,12 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
 
   const GstClockTime end = GST_CLOCK_TIME_IS_VALID(duration) ? pts + duration : pts;
   GstBufferList *later = GST_CLOCK_TIME_IS_VALID(pts) ? later_maps(frame) : nullptr;
-  const guint n_later = later ? gst_buffer_list_length(later) : 0;
+  guint n_later = later ? gst_buffer_list_length(later) : 0;
   const auto begin_of = [&](guint i) {
     return i < n_later ? pts + GST_BUFFER_PTS(gst_buffer_list_get(later, i)) : end;
   };
+  while (n_later > 0 && begin_of(n_later - 1) >= end) /* of a frame that was cut, as by videorate */
+    n_later--;
 
   gsize n_levels = 0;
   const gfloat *levels = gst_tactile_meta_get_levels(meta, &n_levels);
@@ -107,7 +108,7 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   for (guint i = 0; i < n_later && flow == GST_FLOW_OK; i++) {
     map = gst_buffer_copy(gst_buffer_list_get(later, i));
     GST_BUFFER_PTS(map) = begin_of(i);
-    GST_BUFFER_DURATION(map) = std::max(begin_of(i + 1), begin_of(i)) - begin_of(i);
+    GST_BUFFER_DURATION(map) = begin_of(i + 1) - begin_of(i);
     flow = self->pads->push_map(map);
   }
   return flow;

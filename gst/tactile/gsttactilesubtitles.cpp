@@ -9,9 +9,9 @@
  *
  * - A tactile track, in text cues of [tactileconverter](tactileconverter.md): each frame gets the
  *   map at its time as a #GstTactileMeta, or a silent one, and the chair those that begin or end
- *   within the frame, at their own times. The element draws remarks, which are
- *   cues of words that do not begin with a digit. It drops any other cue that is not a map, with a
- *   warning; tactile-track refuses such files.
+ *   within the frame, at their own times: up to 1000, then silence. The element draws remarks,
+ *   which are cues of words that do not begin with a digit. It drops any other cue that is not a
+ *   map, with a warning; tactile-track refuses such files.
  * - Text: the child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
  *   `visuotactilesink` analyzes them.
  *
@@ -55,6 +55,7 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -334,10 +335,15 @@ map_at(GstTactileSubtitles *self, tactile::Time time)
   GstTactileSubtitlesPrivate *priv = self->priv;
   std::optional<TactileMap> map;
   GST_OBJECT_LOCK(self);
-  while (!priv->cues.empty() && priv->cues.front().end <= time) {
-    priv->levels -= priv->cues.front().map.levels.size();
-    priv->cues.pop_front();
-  }
+  const auto begun
+      = std::ranges::upper_bound(priv->cues, time, {}, &Cue::begin) - priv->cues.begin();
+  const auto is_over = [&](const Cue &cue) {
+    if (cue.end <= time)
+      priv->levels -= cue.map.levels.size();
+    return cue.end <= time;
+  };
+  priv->cues.erase(std::remove_if(priv->cues.begin(), priv->cues.begin() + begun, is_over),
+                   priv->cues.begin() + begun);
   if (priv->kind == Kind::track) {
     const Cue *cue = cue_at(priv->cues, time);
     map = cue ? cue->map : TactileMap(priv->grid.rows, priv->grid.columns);
@@ -346,8 +352,8 @@ map_at(GstTactileSubtitles *self, tactile::Time time)
   return map;
 }
 
-/// The maps that follow within a frame of this grid; times in the track's running time. After
-/// map_at(begin).
+/// The maps that follow within a frame of this grid, which is shown in [begin, end) of the track's
+/// running time, at this rate. After map_at(begin).
 static std::vector<LaterMap>
 maps_within(GstTactileSubtitles *self, tactile::Time begin, tactile::Time end, double rate,
             const TactileMap &first)
@@ -355,24 +361,33 @@ maps_within(GstTactileSubtitles *self, tactile::Time begin, tactile::Time end, d
   const std::deque<Cue> &cues = self->priv->cues;
   std::vector<LaterMap> maps;
   GST_OBJECT_LOCK(self);
-  for (tactile::Time at = begin; maps.size() < kMostMaps;) {
-    tactile::Time next = end;
-    for (const Cue &cue : cues) {
-      if (cue.begin >= next)
-        break;
-      if (cue.begin > at)
-        next = cue.begin;
-      else if (cue.end > at)
-        next = std::min(next, cue.end);
-    }
-    if (next >= end)
+  std::set<tactile::Time> changes;
+  for (const Cue &cue : cues) {
+    if (cue.begin >= end)
       break;
-    at = next;
-    const Cue *cue = cue_at(cues, at);
+    for (const tactile::Time at : { cue.begin, cue.end })
+      if (begin < at && at < end)
+        changes.insert(at);
+  }
+  // As in cue_at().
+  const auto is_later = [](const Cue *a, const Cue *b) {
+    return std::pair(a->pts, b->begin) > std::pair(b->pts, a->begin);
+  };
+  std::multiset<const Cue *, decltype(is_later)> begun(is_later);
+  auto next = cues.begin();
+  for (const tactile::Time at : changes) {
+    for (; next != cues.end() && next->begin <= at; ++next)
+      begun.insert(&*next);
+    while (!begun.empty() && (*begun.begin())->end <= at)
+      begun.erase(begun.begin());
+    const bool is_last = maps.size() + 1 == kMostMaps; // and holds until the next frame
+    const Cue *cue = begun.empty() || is_last ? nullptr : *begun.begin();
     const auto after = static_cast<double>((at - begin).count()) * rate;
     maps.push_back({ tactile::Time(static_cast<gint64>(after)),
                      cue ? tactile::resample(cue->map, first.rows, first.columns)
                          : TactileMap(first.rows, first.columns) });
+    if (is_last)
+      break;
   }
   GST_OBJECT_UNLOCK(self);
   return maps;
@@ -418,6 +433,21 @@ cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
       .value_or(kBeforeAll);
 }
 
+/// The end of a frame in its segment, by the frame rate where it has no duration.
+static GstClockTime
+end_of(GstPad *pad, GstBuffer *frame, const GstSegment &segment)
+{
+  GstClockTime duration = GST_BUFFER_DURATION(frame);
+  g_autoptr(GstCaps) caps = gst_pad_get_current_caps(pad);
+  gint n = 0;
+  gint d = 1;
+  if (!GST_CLOCK_TIME_IS_VALID(duration) && caps
+      && gst_structure_get_fraction(gst_caps_get_structure(caps, 0), "framerate", &n, &d))
+    duration = n > 0 ? gst_util_uint64_scale_int(GST_SECOND, d, n) : 0;
+  return std::min<GstClockTime>(
+      GST_BUFFER_PTS(frame) + (GST_CLOCK_TIME_IS_VALID(duration) ? duration : 0), segment.stop);
+}
+
 static GstPadProbeReturn
 on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 {
@@ -438,10 +468,9 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
                                                     map->levels.data(), map->levels.size());
   gst_tactile_meta_set_video_direction(put, direction_at(pad));
   gst_buffer_set_tactile_frequency(frame, map->frequency);
-  const tactile::Time end
-      = GST_BUFFER_DURATION_IS_VALID(frame) && segment.rate > 0 ? cue_time(
-            self, segment, std::min<GstClockTime>(pts + GST_BUFFER_DURATION(frame), segment.stop))
-                                                                : begin;
+  const tactile::Time end = segment.rate > 0 && begin != kBeforeAll
+                                ? cue_time(self, segment, end_of(pad, frame, segment))
+                                : begin;
   set_later_maps(frame, maps_within(self, begin, end, segment.rate, *map));
   return GST_PAD_PROBE_OK;
 }

@@ -12,7 +12,8 @@
 
 namespace {
 
-/// More than ten seconds of any film.
+/// More than ten seconds of a film with one map on each frame. A track with a change each
+/// millisecond fills it in one second; then the oldest maps are dropped.
 constexpr guint kMostMaps = 1024;
 
 /// A slow analysis falls behind by no more than this.

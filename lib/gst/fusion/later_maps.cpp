@@ -9,37 +9,33 @@
 
 namespace {
 
+const gchar *meta_name();
+
 constexpr const gchar *kMaps = "maps";
 
-std::optional<LaterMap>
-read(GstBuffer *buffer, const GstTactileMeta &grid)
-{
-  g_autofree gfloat *levels = nullptr;
-  gsize count = 0;
-  if (!gst_tactile_map_buffer_get_levels(buffer, grid.rows, grid.columns, &levels, &count))
-    return std::nullopt;
-  tactile::TactileMap map(static_cast<int>(grid.rows), static_cast<int>(grid.columns));
-  std::copy_n(levels, count, map.levels.begin());
-  map.frequency = gst_buffer_get_tactile_frequency(buffer);
-  return LaterMap{ visuotactile::Time(static_cast<gint64>(GST_BUFFER_PTS(buffer))), map };
-}
-
-/// Moves them in the same way as the frame's map.
+/// Moves them in the same way as the frame's map. Several pictures of one frame, as of compositor,
+/// have none where the first had some, as their own maps were put together.
 gboolean
-transform(GstBuffer *dest, GstCustomMeta *, GstBuffer *frame, GQuark type, gpointer data, gpointer)
+transform(GstBuffer *dest, GstCustomMeta *meta, GstBuffer *frame, GQuark type, gpointer data,
+          gpointer)
 {
-  const GstTactileMeta *felt = gst_buffer_get_tactile_meta(frame);
-  GstBufferList *maps = later_maps(frame);
-  if (felt == nullptr || maps == nullptr || later_maps(dest) != nullptr)
+  if (later_maps(frame) == nullptr)
     return FALSE;
+  if (gst_buffer_get_custom_meta(dest, meta_name()) != nullptr)
+    return TRUE;
+  if (GST_META_TRANSFORM_IS_COPY(type)) {
+    const GstStructure *own = gst_custom_meta_get_structure(meta);
+    GstCustomMeta *copy = gst_buffer_add_custom_meta(dest, meta_name());
+    gst_structure_set_value(gst_custom_meta_get_structure(copy), kMaps,
+                            gst_structure_get_value(own, kMaps));
+    return TRUE;
+  }
   std::vector<LaterMap> moved;
-  for (guint i = 0; i < gst_buffer_list_length(maps); i++) {
-    std::optional<LaterMap> each = read(gst_buffer_list_get(maps, i), *felt);
-    std::optional<tactile::TactileMap> map
-        = each ? moved_map(frame, std::move(each->map), type, data) : std::nullopt;
+  for (LaterMap &each : read_later_maps(frame)) {
+    std::optional<tactile::TactileMap> map = moved_map(frame, std::move(each.map), type, data);
     if (!map)
       return FALSE;
-    moved.push_back({ each->after, *map });
+    moved.push_back({ each.after, *map });
   }
   set_later_maps(dest, moved);
   return TRUE;
@@ -84,13 +80,25 @@ GstBufferList *
 later_maps(GstBuffer *frame)
 {
   GstCustomMeta *meta = gst_buffer_get_custom_meta(frame, meta_name());
-  const GstTactileMeta *felt = gst_buffer_get_tactile_meta(frame);
   const GValue *value
       = meta ? gst_structure_get_value(gst_custom_meta_get_structure(meta), kMaps) : nullptr;
   auto *maps = value ? static_cast<GstBufferList *>(g_value_get_boxed(value)) : nullptr;
-  // Another element may have replaced the frame's own map.
-  const bool fit = felt && maps && gst_buffer_list_length(maps) > 0
-                   && gst_buffer_get_size(gst_buffer_list_get(maps, 0))
-                          == gsize{ felt->rows } * felt->columns * sizeof(gfloat);
-  return fit ? maps : nullptr;
+  const bool any = maps && gst_buffer_list_length(maps) > 0 && gst_buffer_get_tactile_meta(frame);
+  return any ? maps : nullptr;
+}
+
+std::vector<LaterMap>
+read_later_maps(GstBuffer *frame)
+{
+  GstBufferList *maps = later_maps(frame);
+  const GstTactileMeta *felt = gst_buffer_get_tactile_meta(frame);
+  std::vector<LaterMap> read;
+  for (guint i = 0; maps != nullptr && i < gst_buffer_list_length(maps); i++) {
+    GstBuffer *buffer = gst_buffer_list_get(maps, i);
+    tactile::TactileMap map(static_cast<int>(felt->rows), static_cast<int>(felt->columns));
+    gst_buffer_extract(buffer, 0, map.levels.data(), map.levels.size() * sizeof(gfloat));
+    map.frequency = gst_buffer_get_tactile_frequency(buffer);
+    read.push_back({ visuotactile::Time(static_cast<gint64>(GST_BUFFER_PTS(buffer))), map });
+  }
+  return read;
 }

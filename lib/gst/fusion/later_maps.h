@@ -6,8 +6,8 @@
 
 #include <gst/gst.h>
 
-#include <optional>
 #include <span>
+#include <vector>
 
 /// A map that is felt from a time within its frame on.
 struct LaterMap
@@ -16,9 +16,11 @@ struct LaterMap
   tactile::TactileMap map;
 };
 
-/// Says of a frame which maps follow its own until its end, in order; they have the same grid. The
-/// frame is writable, and has its own map.
+/// Says of a frame which maps follow its own within it, in order; they have the same grid. The
+/// frame is writable, and has its own map, with which they are replaced. They stay in one process.
 void set_later_maps(GstBuffer *frame, std::span<const LaterMap> maps);
 
 /// These maps as buffers of a stream of maps, whose PTS is `after`. Null: none. Transfer none.
 GstBufferList *later_maps(GstBuffer *frame);
+
+std::vector<LaterMap> read_later_maps(GstBuffer *frame);

@@ -15,9 +15,13 @@ moved_map(GstBuffer *frame, tactile::TactileMap map, GQuark type, gpointer data)
 {
   if (GST_META_TRANSFORM_IS_COPY(type))
     return map;
-  g_autoptr(GstBuffer) still = gst_buffer_copy(frame);
+  g_autoptr(GstBuffer) still = gst_buffer_new();
   g_autoptr(GstBuffer) moved = gst_buffer_new();
-  GstTactileMeta *meta = gst_buffer_get_tactile_meta(still);
+  GstTactileMeta *meta = gst_buffer_get_tactile_meta(frame);
+  GstMetaTransformCopy whole = { FALSE, 0, static_cast<gsize>(-1) };
+  if (!meta->meta.info->transform_func(still, &meta->meta, frame, _gst_meta_transform_copy, &whole))
+    return std::nullopt;
+  meta = gst_buffer_get_tactile_meta(still);
   std::ranges::copy(map.levels, meta->levels);
   if (!meta->meta.info->transform_func(moved, &meta->meta, still, type, data))
     return std::nullopt;

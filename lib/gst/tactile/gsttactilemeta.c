@@ -99,6 +99,9 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
   return TRUE;
 }
 
+/* lib/gst/fusion/later_maps.cpp: they follow the frame's own map, until that is replaced. */
+#define LATER_MAPS_META "VisuotactileLaterMaps"
+
 /* The frequency of a buffer of a stream of maps, which has no GstTactileMeta. */
 #define FREQUENCY_META "GstTactileFrequencyMeta"
 
@@ -256,6 +259,7 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
                             gsize n_levels)
 {
   GstTactileMeta *self;
+  GstCustomMeta *later;
   gfloat *copy;
 
   g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
@@ -278,6 +282,9 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
 
   g_free(self->levels);
   self->levels = copy;
+  if (gst_meta_get_info(LATER_MAPS_META) != NULL
+      && (later = gst_buffer_get_custom_meta(buffer, LATER_MAPS_META)) != NULL)
+    gst_structure_remove_all_fields(gst_custom_meta_get_structure(later));
   ((TactileMeta *)self)->frequency = 0;
   self->rows = rows;
   self->columns = columns;

@@ -34,13 +34,15 @@ chosen_axis(const JsonMembers &root, bool &is_one_of_many)
 {
   std::size_t count = 0;
   std::optional<JsonMembers> chosen;
-  bool vibrates = false;
+  int best = -1;
   const auto offer = [&](const JsonMembers &axis, bool is_vibration) {
     count++;
-    if (chosen && (vibrates || !is_vibration))
+    const bool has_actions = axis.has("actions") && axis.size("actions") > 0;
+    const int rank = has_actions ? 1 + is_vibration : 0;
+    if (rank <= best)
       return;
     chosen = axis;
-    vibrates = is_vibration;
+    best = rank;
   };
   if (root.has("actions") && root.size("actions") > 0)
     offer(root, false);
@@ -51,9 +53,10 @@ chosen_axis(const JsonMembers &root, bool &is_one_of_many)
     offer(axis, id && is_vibration(id));
   }
   for (const char *group : { "channels", "tracks" })
-    if (root.has(group))
+    if (root.has_object(group))
       for (const std::string &name : root.object(group).names())
-        offer(root.object(group).object(name.c_str()), is_vibration(name));
+        if (root.object(group).has_object(name.c_str()))
+          offer(root.object(group).object(name.c_str()), is_vibration(name));
   is_one_of_many = count > 1;
   return chosen.value_or(root);
 }

@@ -18,10 +18,10 @@ std::string write_funscript(const Track &track);
 tl::expected<std::string, FormatError> funscript_with(std::string_view text, const Track &track);
 
 /// Reads a funscript as one cell, whose level is the position, as players drive vibrators with it.
-/// In a script with several axes the vibration counts (`V0` or `vib`), else the first with actions;
-/// the others are ignored, as are `range`, `metadata` and what other tools add, which
-/// funscript_with() keeps. Actions may be
-/// unordered and their times fractional; positions are clamped to 0 to 100, and turned over where
+/// In a script with several axes (`axes`, `channels` or `tracks`) the vibration counts (`V0` or
+/// `vib`), else the first with actions; the others are ignored, as are `range`, `metadata`, actions
+/// before 0:00 and what other tools add, which funscript_with() keeps. Actions may be unordered and
+/// their times fractional; positions are clamped to 0 to 100, and turned over where
 /// the script is `inverted`. Slopes become steps of 20 ms.
 tl::expected<Track, FormatError> read_funscript(std::string_view text,
                                                 std::vector<std::string> &ignored);

@@ -83,6 +83,12 @@ JsonMembers::has(const char *name) const
   return object_ && json_object_has_member(object_, name);
 }
 
+bool
+JsonMembers::has_object(const char *name) const
+{
+  return has(name) && JSON_NODE_HOLDS_OBJECT(json_object_get_member(object_, name));
+}
+
 double
 JsonMembers::number(const char *name) const
 {

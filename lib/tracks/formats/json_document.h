@@ -24,6 +24,7 @@ public:
   void fail(const std::string &reason) const;
 
   bool has(const char *name) const;
+  bool has_object(const char *name) const;
 
   double number(const char *name) const;
   double number(const char *name, double otherwise) const;

@@ -88,6 +88,7 @@ format_of(std::string_view text)
          : root.has("Pattern")   ? TrackFormat::ahap
          : root.has("project")   ? TrackFormat::tact
          : root.has("actions") || root.has("axes") || root.has("channels")
+                 || root.has_object("tracks")
              ? std::optional(TrackFormat::funscript)
              : std::nullopt;
 }

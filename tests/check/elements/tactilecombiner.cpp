@@ -281,6 +281,45 @@ GST_START_TEST(test_sound_within_a_frame)
   c.push_frame(0);
   ASSERT_LEVELS(c, { 0.5F, 0 });
   fail_unless(c.later.empty());
+
+  Combiner silent_first;
+  silent_first.push_map(0, 0, 20);
+  silent_first.push_map(1, 20, 60, true);
+  silent_first.end_track();
+  silent_first.push_frame(0);
+  ASSERT_LEVELS(silent_first, { 0, 0 });
+  fail_unless(silent_first.later.empty());
+}
+GST_END_TEST;
+
+/// The film's own maps within a frame are mixed with the track's.
+GST_START_TEST(test_own_maps_within_a_frame)
+{
+  for (const char *mix : { "replace", "max", "sum" }) {
+    Combiner c;
+    c.set("mix", mix);
+    c.push_map(0.25F, 0, 20);
+    c.push_map(0, 20, 40);
+    c.end_track();
+    GstBuffer *frame = gst_buffer_new_allocate(nullptr, 64, nullptr);
+    GST_BUFFER_PTS(frame) = 0;
+    GST_BUFFER_DURATION(frame) = kFrame;
+    const std::array<gfloat, 2> levels{};
+    gst_buffer_add_tactile_meta(frame, 1, 2, levels.data(), 2);
+    tactile::TactileMap own(1, 2);
+    own.levels[0] = 0.5F;
+    const std::array<LaterMap, 2> own_later{ LaterMap{ std::chrono::milliseconds(10), own },
+                                             LaterMap{ std::chrono::milliseconds(30),
+                                                       tactile::TactileMap(1, 2) } };
+    set_later_maps(frame, own_later);
+    fail_unless_equals_int(gst_harness_push(c.video, frame), GST_FLOW_OK);
+    ASSERT_LEVELS(c, { 0.25F, 0 });
+    const gfloat both = mix == std::string("sum") ? 0.75F : 0.5F;
+    if (mix == std::string("replace"))
+      fail_unless(c.later == (Combiner::Later{ { 20, 0 } }));
+    else
+      fail_unless(c.later == (Combiner::Later{ { 10, both }, { 20, 0.5F }, { 30, 0 } }));
+  }
 }
 GST_END_TEST;
 
@@ -599,6 +638,7 @@ tactilecombiner_suite(void)
   tcase_add_test(tests, test_map_at_the_frames_beginning);
   tcase_add_test(tests, test_maps_within_a_frame);
   tcase_add_test(tests, test_sound_within_a_frame);
+  tcase_add_test(tests, test_own_maps_within_a_frame);
   tcase_add_test(tests, test_frequency);
   tcase_add_test(tests, test_film_ends_first);
   tcase_add_test(tests, test_longer_track);

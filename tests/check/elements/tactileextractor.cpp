@@ -628,9 +628,20 @@ GST_START_TEST(test_maps_within_a_frame)
     gst_buffer_extract(felt, 0, &level, sizeof level);
     fail_unless_equals_float(level, i == 1 ? 0.5F : i == 0 ? 0.25F : 0);
   }
-  // Not those of a map that was replaced by one of another grid.
-  const gfloat other = 1;
-  gst_buffer_add_tactile_meta(frame, 1, 1, &other, 1);
+  // A copy shares them.
+  g_autoptr(GstBuffer) copy = gst_buffer_copy(frame);
+  fail_unless(later_maps(copy) != nullptr && later_maps(copy) == later_maps(frame));
+  // Not what is after the end of a frame that was cut.
+  GST_BUFFER_DURATION(copy) = 20 * GST_MSECOND;
+  fail_unless_equals_int(gst_harness_push(x.video, gst_buffer_ref(copy)), GST_FLOW_OK);
+  for (int i = 0; i < 2; i++) {
+    g_autoptr(GstBuffer) felt = gst_harness_pull(x.tactile);
+    fail_unless_equals_uint64(GST_BUFFER_DURATION(felt), 10 * GST_MSECOND);
+  }
+  fail_unless(gst_harness_try_pull(x.tactile) == nullptr);
+  // Not those of a map that was replaced.
+  const std::array<gfloat, 2> other{ 1, 1 };
+  gst_buffer_add_tactile_meta(frame, 1, 2, other.data(), 2);
   fail_unless_equals_int(gst_harness_push(x.video, gst_buffer_copy(frame)), GST_FLOW_OK);
   gst_buffer_unref(gst_harness_pull(x.tactile));
   fail_unless(gst_harness_try_pull(x.tactile) == nullptr);

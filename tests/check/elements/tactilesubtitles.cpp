@@ -50,12 +50,12 @@ public:
   }
 
   /// Pushes a black frame at a time in ms and returns the output.
-  GstBuffer *play_frame(GstClockTime time)
+  GstBuffer *play_frame(GstClockTime time, GstClockTime duration = kFrame)
   {
     GstBuffer *frame = gst_buffer_new_allocate(nullptr, kFrameSize, nullptr);
     gst_buffer_memset(frame, 0, 0, kFrameSize);
     GST_BUFFER_PTS(frame) = time * GST_MSECOND;
-    GST_BUFFER_DURATION(frame) = kFrame;
+    GST_BUFFER_DURATION(frame) = duration;
     fail_unless_equals_int(gst_harness_push(film, frame), GST_FLOW_OK);
     return gst_harness_pull(film);
   }
@@ -358,6 +358,14 @@ GST_START_TEST(test_track_beside_a_clocked_film)
   fail_unless(s.levels_at(5740) == Levels{ 20 });
   fail_unless(s.levels_at(6100) == Levels{ 20 });
   fail_unless(s.levels_at(6140) == Levels{ 0 });
+
+  // A cue that has begun where the track begins, within a frame.
+  begin_at(s.text, nullptr, 5000);
+  begin_at(s.film, nullptr, 5000);
+  s.push_cue("20", 4900, 5400);
+  g_autoptr(GstBuffer) before = s.play_frame(5720);
+  fail_unless(later_maps(before) == nullptr);
+  fail_unless(s.levels_at(5760) == Levels{ 20 });
 }
 GST_END_TEST;
 
@@ -399,6 +407,37 @@ GST_START_TEST(test_cues_within_a_frame)
 }
 GST_END_TEST;
 
+/// By the frame rate.
+GST_START_TEST(test_frame_without_a_duration)
+{
+  Subtitles subtitles;
+  subtitles.push_cue("50", 10, 30);
+  g_autoptr(GstBuffer) frame = subtitles.play_frame(0, GST_CLOCK_TIME_NONE);
+  fail_unless_equals_int(gst_buffer_list_length(later_maps(frame)), 2);
+}
+GST_END_TEST;
+
+/// A still picture has a thousand maps, and no motor stays on after them. Among cues that overlap
+/// the track's later one counts.
+GST_START_TEST(test_many_cues_within_a_frame)
+{
+  Subtitles subtitles;
+  subtitles.push_cue("9", 0, 360'000'000);
+  for (GstClockTime i = 1; i <= 2000; i++)
+    subtitles.push_cue("50", 2 * i, 2 * i + 1);
+  g_autoptr(GstBuffer) frame = subtitles.play_frame(0, 3 * GST_SECOND);
+  const std::vector<LaterMap> later = read_later_maps(frame);
+  fail_unless_equals_int(later.size(), 1000);
+  for (std::size_t i = 0; i < later.size(); i++) {
+    fail_unless(later[i].after == std::chrono::milliseconds(2 + i));
+    const float level = i == 999 ? 0 : i % 2 == 0 ? 0.5F : 0.09F;
+    fail_unless_equals_float(later[i].map.levels[0], level);
+  }
+  fail_unless(subtitles.levels_at(3000) == Levels{ 50 });
+  fail_unless(subtitles.levels_at(4001) == Levels{ 9 });
+}
+GST_END_TEST;
+
 static Suite *
 tactilesubtitles_suite()
 {
@@ -406,6 +445,8 @@ tactilesubtitles_suite()
   TCase *cases = tcase_create("general");
   suite_add_tcase(s, cases);
   tcase_add_test(cases, test_cues_within_a_frame);
+  tcase_add_test(cases, test_frame_without_a_duration);
+  tcase_add_test(cases, test_many_cues_within_a_frame);
   tcase_add_test(cases, test_track);
   tcase_add_test(cases, test_late_cue);
   tcase_add_test(cases, test_words);

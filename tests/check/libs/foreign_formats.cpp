@@ -323,6 +323,14 @@ GST_START_TEST(test_funscript)
                     TrackFormat::funscript, &ignored),
                15ms, 0.7);
   fail_unless(ignored == Ignored{ "the actions before 0:00" });
+  // Axes without actions, and a list of another tool.
+  const std::string full = R"("actions":[{"at":0,"pos":60},{"at":100,"pos":60}])";
+  for (const std::string &text :
+       { "{" + full + R"(,"tracks":{"vib":{"actions":[]}}})",
+         R"({"axes":[{"id":"V0"},{"id":"L1","actions":[]},{"id":"L0",)" + full + "}]}",
+         R"({"tracks":{"vib":{)" + full + "}}}", "{" + full + R"(,"tracks":[1]})",
+         "{" + full + R"(,"tracks":{"vib":1}})" })
+    ASSERT_LEVEL(read(text, TrackFormat::funscript), 50ms, 0.6);
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":4e8,"pos":0}]})", TrackFormat::funscript),
                    "actions[0]", "100 hours");
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":1}]})", TrackFormat::funscript), "actions[0]",
@@ -446,7 +454,8 @@ GST_START_TEST(test_formats_by_content)
   fail_unless(found(tact(dots(""))) == TrackFormat::tact);
   fail_unless(found(hasp(hasp_clip("a", "kick", "1"))) == TrackFormat::hasp);
   fail_unless(found("\xEF\xBB\xBF" + haptic(R"({"time":0,"amplitude":1})")) == TrackFormat::haptic);
-  for (const char *text : { "", "{}", "[]", "hello" }) {
+  fail_unless(found(R"({"tracks":{"vib":{"actions":[]}}})") == TrackFormat::funscript);
+  for (const char *text : { "", "{}", "[]", "hello", R"({"tracks":[]})" }) {
     const TemporaryFile named(text);
     const std::string place = "'" + named.path + "'";
     ASSERT_COMPLAINT(read_track_text(named.path), place.c_str(), "or the text of such a file");
