@@ -53,7 +53,7 @@ words() {
 
 terminal() {
   timeout 60 "$ROOT/pipelines/terminal.sh" "$1" >out 2>&1 || fail "status $?; it said: $(cat out)"
-  expect_line out '█'
+  expect_line out '▓|█'
 }
 
 # Players in the background write the file debug.
