@@ -16,8 +16,9 @@ struct LaterMap
   tactile::TactileMap map;
 };
 
-/// Says of a frame which maps follow its own within it, in order; they have the same grid. The
-/// frame is writable, and has its own map, with which they are replaced. They stay in one process.
+/// Sets the maps that follow a frame's own map within the frame, in order and with the same grid.
+/// Requires a writable frame with a map of its own; replacing that map drops them. A frame that
+/// goes to another process loses them.
 void set_later_maps(GstBuffer *frame, std::span<const LaterMap> maps);
 
 /// These maps as buffers of a stream of maps, whose PTS is `after`. Null: none. Transfer none.
