@@ -191,17 +191,48 @@ GST_END_TEST;
 /// Frames beyond max-rate repeat the last map: with 10 analyses a second at 30 fps, two of three.
 GST_START_TEST(test_max_rate)
 {
-  Analysis analysis("saliencytactile max-rate=10");
+  Analysis analysis("saliencytactile max-rate=10 skip-unchanged=false");
   analysis.play(SquareFilm("I420", 0, 0));
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
   ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), 6); // frames 0, 3, 6, 9, 12, 15
 }
 GST_END_TEST;
 
+/// Frames that show nothing new are not analyzed, unless the user wants all to be, or something may
+/// raise what is far below the floor.
+GST_START_TEST(test_skip_unchanged)
+{
+  struct Case
+  {
+    const char *line;
+    bool skips;
+  };
+  for (const Case &one : { Case{ "saliencytactile", true },
+                           { "saliencytactile floor=2", true },
+                           { "saliencytactile skip-unchanged=false", false },
+                           { "saliencytactile profile=paper", false },
+                           { "saliencytactile temporal=false", false },
+                           { "saliencytactile floor=0", false },
+                           { "saliencytactile roi-weights=face=3", false } }) {
+    Analysis analysis(one.line, kTiny);
+    for (guint i = 0; i < 60; i++) {
+      GstBuffer *frame = flat_frame(256, 9);
+      GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
+      GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
+      analysis.felt(frame);
+    }
+    const guint64 unchanged = stat_of(analysis.element, "unchanged");
+    fail_unless_equals_uint64(stat_of(analysis.element, "analyzed"), 60 - unchanged);
+    fail_unless(one.skips ? unchanged >= 30 && unchanged < 60 : unchanged == 0, "%s: %u", one.line,
+                static_cast<guint>(unchanged));
+  }
+}
+GST_END_TEST;
+
 /// max-rate is never exceeded: 25 of 30 frames a second.
 GST_START_TEST(test_max_rate_is_not_exceeded)
 {
-  Analysis analysis("saliencytactile max-rate=25", kTiny);
+  Analysis analysis("saliencytactile max-rate=25 skip-unchanged=false", kTiny);
   for (guint i = 0; i < 300; i++) {
     GstBuffer *frame = flat_frame(256, 9);
     GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
@@ -218,7 +249,7 @@ GST_END_TEST;
 GST_START_TEST(test_keep_maps)
 {
   for (const bool keep : { false, true }) {
-    Analysis analysis("saliencytactile", kTiny);
+    Analysis analysis("saliencytactile skip-unchanged=false", kTiny);
     g_object_set(analysis.element, "keep-maps", gboolean{ keep }, nullptr);
     for (guint i = 0; i < 4; i++) {
       GstBuffer *frame = flat_frame(256, 9);
@@ -282,6 +313,7 @@ saliencytactile_stream_suite(void)
   tcase_add_test(cases, test_corrupted_frames);
   tcase_add_test(cases, test_reverse);
   tcase_add_test(cases, test_max_rate);
+  tcase_add_test(cases, test_skip_unchanged);
   tcase_add_test(cases, test_max_rate_is_not_exceeded);
   tcase_add_test(cases, test_keep_maps);
   tcase_add_test(cases, test_caps_change_mid_stream);
