@@ -58,10 +58,10 @@ public:
   static constexpr double kShare = 0.4;
   /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
-  /// Between key frames so far apart, a place is read from the next one, or all since the last one is
-  /// decoded, whichever is known earlier. kSpeed: film time per time, until it is measured.
+  /// Between key frames so far apart, a place is read from the next one, or all since the last
+  /// one is decoded, whichever is known earlier.
   static constexpr Time kKeyFrames = std::chrono::seconds(10);
-  static constexpr double kSpeed = 6;
+  static constexpr double kSpeed = 6; ///< film time per time, until it is measured
   /// A source that is farther behind the film, so long after a seek, is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
   static constexpr Time kPatience = std::chrono::seconds(4);

@@ -30,7 +30,7 @@ constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
 /// A film that pauses for longer, in frames at 30 fps, begins anew.
 constexpr double kLongestGap = 64;
 
-// Of a picture that does not change (Analyzer::set_rest).
+// These are of a picture that does not change (Analyzer::set_rest).
 constexpr double kLongestRest = 4.5; ///< between two analyses, frames at 30 fps
 constexpr double kQuiet = 0.25;      ///< of the floor: the map's peak
 constexpr double kSame = 0.3;        ///< of the floor: the difference

@@ -86,9 +86,9 @@ public:
   /// Calls `observer` after each stage, with the stage's map or an empty one. For measurements.
   void set_observer(std::function<void(Stage, const cv::Mat &map)> observer);
 
-  /// Lets frames pass without an analysis, up to four in a row at 30 fps, that show the same as the
-  /// last analyzed one (Stillness), while the map is far below `floor`: the first frame that differs
-  /// has its map, as if all had been analyzed. With 0, initially, and with other methods than
+  /// Lets frames pass without an analysis, up to four in a row at 30 fps, that show the same as
+  /// the last analyzed one (Stillness), while the map is far below `floor`. The first frame that
+  /// differs has its map, as if all had been analyzed. With 0, initially, and with other methods than
   /// Method::events, all are.
   void set_rest(double floor);
 

@@ -16,7 +16,7 @@ constexpr float kNoise = 0.31F;     ///< ΔE, of the best of pictures
 constexpr float kMostNoise = 0.25F; ///< ΔE more: with more, more than half of the picture changes
 constexpr float kAllowed = 1.25F;   ///< σ of the noise
 constexpr int kGroup = 4;           ///< blocks of each side
-constexpr int kSampled = 7;         ///< every seventh block tells the noise
+constexpr int kSampled = 7;         ///< of every seventh block, the noise
 
 } // namespace
 

@@ -206,8 +206,8 @@ GST_START_TEST(test_stillness)
 GST_END_TEST;
 
 /// A thing that appears in a noisy picture at rest is felt with the same frame as if all frames
-/// were analyzed, and about as strongly, whichever frame of a rest it is. Of the rest, half and more are
-/// not analyzed.
+/// were analyzed, and about as strongly, whichever frame of a rest it is. Of the rest, half and
+/// more are not analyzed.
 GST_START_TEST(test_onsets)
 {
   for (const double sigma : { 0.0, 2.0 })
