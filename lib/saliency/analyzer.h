@@ -88,8 +88,8 @@ public:
 
   /// Lets frames pass without an analysis, up to four in a row at 30 fps, that show the same as
   /// the last analyzed one (Stillness), while the map is far below `floor`. The first frame that
-  /// differs has its map, as if all had been analyzed. With 0, initially, and with other methods than
-  /// Method::events, all are.
+  /// differs has its map, as if all had been analyzed. With 0, initially, and with other methods
+  /// than Method::events, all are.
   void set_rest(double floor);
 
   /// Drops the history. The next frame fills it with its own spatial map, so there is no burst

@@ -146,7 +146,7 @@ GST_END_TEST;
 GST_START_TEST(test_corrupted_frames)
 {
   const SquareFilm film("I420", 0, 2);
-  Analysis analysis;
+  Analysis analysis("saliencytactile skip-unchanged=false");
   analysis.set_caps(film.caps);
   for (std::size_t i = 0; i < film.frames.size(); i++) {
     GstBuffer *frame = gst_buffer_copy(film.frames[i]);
