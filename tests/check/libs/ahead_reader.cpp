@@ -182,6 +182,20 @@ GST_START_TEST(test_soon_after_seek)
 }
 GST_END_TEST;
 
+/// Just before a key frame, a slow computer reads from there on.
+GST_START_TEST(test_next_key_frame)
+{
+  auto source = std::make_unique<SimulatedFilm>();
+  source->cost = 17ms;
+  source->cost_unseen = 15ms;
+  Watched chair(std::move(source));
+  chair.watch(2s);
+  chair.position = 39500ms;
+  chair.watch(1s);
+  ck_assert(chair.knows(chair.position));
+}
+GST_END_TEST;
+
 /// Over no second of the clock is more CPU time used than is allowed.
 GST_START_TEST(test_pace)
 {
@@ -256,6 +270,7 @@ ahead_reader_suite(void)
   tcase_add_test(tcase, test_from_the_beginning);
   tcase_add_test(tcase, test_seeks);
   tcase_add_test(tcase, test_soon_after_seek);
+  tcase_add_test(tcase, test_next_key_frame);
   tcase_add_test(tcase, test_pace);
   tcase_add_test(tcase, test_too_slow);
   tcase_add_test(tcase, test_fails);
