@@ -100,7 +100,7 @@ class App:
         def is_it(node):
             try:
                 state = node.get_state_set()
-                return node.get_role_name() == role and name in (node.get_name() or "") and state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
+                return (not role or node.get_role_name() == role) and name in (node.get_name() or "") and state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
             except GLib.Error:
                 return False
 

@@ -12,8 +12,8 @@ struct LiveKey
   const char *usual;
 };
 
-constexpr std::array kKeys = { LiveKey{ "intensity", "1" }, LiveKey{ "mute", "false" },
-                               LiveKey{ chair::kDelay, "0" } };
+constexpr std::array kKeys
+    = { LiveKey{ "intensity", "1" }, LiveKey{ "mute", "false" }, LiveKey{ chair::kDelay, "0" } };
 
 chair::Values
 values_now()

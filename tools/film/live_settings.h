@@ -9,8 +9,8 @@
 #include <atomic>
 #include <mutex>
 
-/// Applies changes of the user's `intensity`, `mute` and `delay` to a sink of maps while it plays. Options
-/// of the command line hold until the user changes that setting.
+/// Applies changes of the user's `intensity`, `mute` and `delay` to a sink of maps while it plays.
+/// Options of the command line hold until the user changes that setting.
 class LiveSettings
 {
 public:

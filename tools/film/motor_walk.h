@@ -32,9 +32,10 @@ MotorWalk walk_of_device(const std::string &driver, const std::string &device, u
 /// there is none.
 void keep_motor(MotorWalk &motors, int only);
 
-/// Drives each motor that has a name by `sink`, which is in no bin, for half a second. Calls `show` with its name
-/// when that begins, and `warn` with warnings. Where the motors are simulated that is shown first,
-/// and is an error unless the sink's driver is the simulator. Throws std::runtime_error.
+/// Drives each motor that has a name by `sink`, which is in no bin, for half a second. Calls `show`
+/// with its name when that begins, and `warn` with warnings. Where the motors are simulated that is
+/// shown first, and is an error unless the sink's driver is the simulator. Throws
+/// std::runtime_error.
 void walk(GstElement *sink, const MotorWalk &motors,
           const std::function<void(const std::string &)> &show,
           const std::function<void(const std::string &)> &warn);

@@ -10,8 +10,8 @@
 /// Where missing() looks; tests have other folders.
 struct System
 {
-  std::filesystem::path root = "/";    ///< of /sys, /dev and /proc
-  std::filesystem::path modules = "";  ///< of drivers; empty: those of this build
+  std::filesystem::path root = "/";   ///< of /sys, /dev and /proc
+  std::filesystem::path modules = ""; ///< of drivers; empty: those of this build
 };
 
 /// The drivers whose servers wait for connections on this computer: bhaptics, intiface.

@@ -41,9 +41,9 @@ has_program(const char *name)
 /// A script of this project in the folder of a player, by a link.
 struct Script
 {
-  const char *name;   ///< of its switch and of the player's program
+  const char *name; ///< of its switch and of the player's program
   const char *title;
-  const char *file;   ///< in the folder of scripts
+  const char *file; ///< in the folder of scripts
   fs::path link;
 };
 
@@ -105,9 +105,9 @@ is_followed()
 void
 switch_service(bool on)
 {
-  const ProgramEnd end = run_program({ "systemctl", "--user", "--now", on ? "enable" : "disable",
-                                       kUnit },
-                                     "systemd", [](std::string_view) {});
+  const ProgramEnd end
+      = run_program({ "systemctl", "--user", "--now", on ? "enable" : "disable", kUnit }, "systemd",
+                    [](std::string_view) {});
   if (end.status != 0)
     throw std::runtime_error("systemctl cannot " + std::string(on ? "enable" : "disable") + " "
                              + kUnit + ": " + end.complaint);

@@ -89,10 +89,8 @@ enable(int argc, char **argv, const char *value, const char *summary)
   if (programs.empty())
     programs.emplace_back(chair::kEveryProgram);
   const bool on = std::string_view(value) == "true";
-  const auto switched
-      = std::ranges::remove_if(programs, [on](const std::string &program) {
-          return switch_outside_settings(program, on);
-        });
+  const auto switched = std::ranges::remove_if(
+      programs, [on](const std::string &program) { return switch_outside_settings(program, on); });
   programs.erase(switched.begin(), switched.end());
   if (!programs.empty()) {
     chair::SettingsFile file = load();

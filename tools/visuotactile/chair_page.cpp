@@ -157,15 +157,17 @@ ChairPage::look()
           look->page->show_devices(look->found, look->servers, look->lines);
       },
       nullptr);
-  g_task_set_task_data(task, new Look{ .page = this, .alive = alive_ },
-                       +[](gpointer look) { delete static_cast<Look *>(look); });
-  g_task_run_in_thread(task, +[](GTask *self, gpointer, gpointer data, GCancellable *) {
-    auto *look = static_cast<Look *>(data);
-    look->found = found_devices();
-    look->servers = waiting_servers();
-    look->lines = missing(look->found);
-    g_task_return_boolean(self, TRUE);
-  });
+  g_task_set_task_data(
+      task, new Look{ .page = this, .alive = alive_ },
+      +[](gpointer look) { delete static_cast<Look *>(look); });
+  g_task_run_in_thread(
+      task, +[](GTask *self, gpointer, gpointer data, GCancellable *) {
+        auto *look = static_cast<Look *>(data);
+        look->found = found_devices();
+        look->servers = waiting_servers();
+        look->lines = missing(look->found);
+        g_task_return_boolean(self, TRUE);
+      });
   g_object_unref(task);
 }
 
@@ -185,9 +187,9 @@ ChairPage::show_devices(const std::vector<FoundDevice> &found,
   shows_ = true;
   put({ _("The board that is connected, otherwise simulated motors"), "auto", "" });
   for (const FoundDevice &device : found)
-    put({ device.driver == kAudio ? in_text("Shakers at the sound card {}, for films opened here",
-                                            device.name)
-                                  : device.name,
+    put({ device.driver == kAudio
+              ? in_text("Shakers at the sound card {}, for films opened here", device.name)
+              : device.name,
           device.driver, device.device });
   for (const std::string &server : servers)
     if (server == "bhaptics") {
@@ -232,8 +234,7 @@ void
 ChairPage::put(const Choice &choice)
 {
   GtkWidget *button = gtk_check_button_new_with_label(choice.name.c_str());
-  gtk_check_button_set_group(GTK_CHECK_BUTTON(button),
-                             first_ ? GTK_CHECK_BUTTON(first_) : nullptr);
+  gtk_check_button_set_group(GTK_CHECK_BUTTON(button), first_ ? GTK_CHECK_BUTTON(first_) : nullptr);
   if (first_ == nullptr)
     first_ = button;
   const chair::Settings settings = chair::read_settings();
@@ -311,14 +312,17 @@ ChairPage::test(int motor)
     arguments.push_back("--motor=" + std::to_string(motor));
   set_text(test_, _("_Stop the feel test"));
   const auto number = std::make_shared<int>(motor > 0 ? motor : 1);
-  tested_ = Command::start(std::move(arguments),
-                           { .line =
-                                 [this, number](const std::string &line) {
-                                   gtk_label_set_text(GTK_LABEL(felt_), line.c_str());
-                                   if (!line.starts_with("simulated"))
-                                     picture_.light((*number)++, line);
-                                 },
-                             .ended = [this](const std::string &complaint) { tested(complaint); } });
+  tested_ = Command::start(std::move(arguments), { .line =
+                                                       [this, number](const std::string &line) {
+                                                         gtk_label_set_text(GTK_LABEL(felt_),
+                                                                            line.c_str());
+                                                         if (!line.starts_with("simulated"))
+                                                           picture_.light((*number)++, line);
+                                                       },
+                                                   .ended =
+                                                       [this](const std::string &complaint) {
+                                                         tested(complaint);
+                                                       } });
 }
 
 void

@@ -66,9 +66,9 @@ private:
   GtkWidget *delay_ = nullptr;
   ChairPicture picture_;
   std::shared_ptr<Command> tested_;
-  std::optional<int> next_{};  ///< motor to feel after the present one
-  bool stops_ = false;         ///< the feel test was stopped by the user
-  guint settled_ = 0; ///< timeout after which the scales are written
-  bool shows_ = false; ///< the settings are being shown, not changed
+  std::optional<int> next_{}; ///< motor to feel after the present one
+  bool stops_ = false;        ///< the feel test was stopped by the user
+  guint settled_ = 0;         ///< timeout after which the scales are written
+  bool shows_ = false;        ///< the settings are being shown, not changed
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -53,10 +53,10 @@ ChairPicture::draw(cairo_t *cairo, int width, int height) const
     cairo_close_path(cairo);
     cairo_fill(cairo);
   };
-  block(w * 0.5 - 40, 0, w * 0.5 + 40, 32);    // for the head
-  block(10, 34, w - 10, h - 90);               // back
-  block(0, h - 86, w, h - 44);                 // seat
-  cairo_rectangle(cairo, 24, h - 42, 10, 42);  // legs
+  block(w * 0.5 - 40, 0, w * 0.5 + 40, 32);   // for the head
+  block(10, 34, w - 10, h - 90);              // back
+  block(0, h - 86, w, h - 44);                // seat
+  cairo_rectangle(cairo, 24, h - 42, 10, 42); // legs
   cairo_rectangle(cairo, w - 34, h - 42, 10, 42);
   cairo_fill(cairo);
 }

@@ -81,10 +81,10 @@ Command::start(std::vector<std::string> arguments, Calls calls)
   command->run_ = std::make_shared<Run>(Run{ .calls = std::move(calls), .complaint = {} });
   const std::shared_ptr<Run> run = command->run_;
   g_autoptr(GError) error = nullptr;
-  run->process = g_subprocess_newv(
-      argv.data(),
-      static_cast<GSubprocessFlags>(G_SUBPROCESS_FLAGS_STDOUT_PIPE | G_SUBPROCESS_FLAGS_STDERR_PIPE),
-      &error);
+  run->process = g_subprocess_newv(argv.data(),
+                                   static_cast<GSubprocessFlags>(G_SUBPROCESS_FLAGS_STDOUT_PIPE
+                                                                 | G_SUBPROCESS_FLAGS_STDERR_PIPE),
+                                   &error);
   if (run->process == nullptr) {
     run->complaint = error->message;
     g_idle_add_full(
@@ -101,9 +101,8 @@ Command::start(std::vector<std::string> arguments, Calls calls)
     if (run->calls.line)
       run->calls.line(line);
   });
-  Lines::read(g_subprocess_get_stderr_pipe(run->process), [run](const std::string &line) {
-    run->complaint = line;
-  });
+  Lines::read(g_subprocess_get_stderr_pipe(run->process),
+              [run](const std::string &line) { run->complaint = line; });
   g_subprocess_wait_async(
       run->process, nullptr,
       +[](GObject *process, GAsyncResult *result, gpointer data) {

@@ -20,7 +20,8 @@ FilmPage::FilmPage(GtkWindow *window, const Shared &shared) : window_(window), s
   add(page_, heading(_("Film")));
   add(page_, title_);
   add(page_, make_button(_("_Open a film…"), "Ctrl+O", [this] { choose(); }));
-  play_ = make_button(_("_Play it on the chair"), "visuotactile-play FILM", [this] { play(false); });
+  play_
+      = make_button(_("_Play it on the chair"), "visuotactile-play FILM", [this] { play(false); });
   gtk_widget_add_css_class(play_, "suggested-action");
   add(page_, play_);
   edit_ = make_button(_("_Edit its track in the desk"), "tactile-track desk FILM",
@@ -70,18 +71,17 @@ FilmPage::choose()
   gtk_file_filter_add_mime_type(films, "video/*");
   gtk_file_chooser_add_filter(GTK_FILE_CHOOSER(chooser), films);
   g_object_unref(films);
-  g_signal_connect(chooser, "response",
-                   G_CALLBACK(+[](GtkNativeDialog *dialog, int response, gpointer self) {
-                     g_autoptr(GFile) file
-                         = response == GTK_RESPONSE_ACCEPT
-                               ? gtk_file_chooser_get_file(GTK_FILE_CHOOSER(dialog))
-                               : nullptr;
-                     g_autofree gchar *uri = file ? g_file_get_uri(file) : nullptr;
-                     if (uri)
-                       static_cast<FilmPage *>(self)->set_film(uri);
-                     g_object_unref(dialog);
-                   }),
-                   this);
+  g_signal_connect(
+      chooser, "response", G_CALLBACK(+[](GtkNativeDialog *dialog, int response, gpointer self) {
+        g_autoptr(GFile) file = response == GTK_RESPONSE_ACCEPT
+                                    ? gtk_file_chooser_get_file(GTK_FILE_CHOOSER(dialog))
+                                    : nullptr;
+        g_autofree gchar *uri = file ? g_file_get_uri(file) : nullptr;
+        if (uri)
+          static_cast<FilmPage *>(self)->set_film(uri);
+        g_object_unref(dialog);
+      }),
+      this);
   gtk_native_dialog_set_modal(GTK_NATIVE_DIALOG(chooser), TRUE);
   gtk_native_dialog_show(GTK_NATIVE_DIALOG(chooser));
 }

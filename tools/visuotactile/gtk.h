@@ -12,7 +12,8 @@ inline void
 connect(gpointer object, const char *signal, std::function<void()> call)
 {
   g_signal_connect_data(
-      object, signal, G_CALLBACK(+[](gpointer own) { (*static_cast<std::function<void()> *>(own))(); }),
+      object, signal,
+      G_CALLBACK(+[](gpointer own) { (*static_cast<std::function<void()> *>(own))(); }),
       new std::function<void()>(std::move(call)),
       +[](gpointer own, GClosure *) { delete static_cast<std::function<void()> *>(own); },
       G_CONNECT_SWAPPED);

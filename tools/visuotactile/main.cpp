@@ -33,10 +33,8 @@ main(int argc, char **argv)
                      return 0;
                    }),
                    nullptr);
-  g_signal_connect(application, "activate", G_CALLBACK(+[](GtkApplication *self) {
-                     show_window(self, "");
-                   }),
-                   nullptr);
+  g_signal_connect(application, "activate",
+                   G_CALLBACK(+[](GtkApplication *self) { show_window(self, ""); }), nullptr);
   g_signal_connect(application, "open",
                    G_CALLBACK(+[](GtkApplication *self, GFile **files, gint count) {
                      g_autofree gchar *uri = count > 0 ? g_file_get_uri(files[0]) : nullptr;

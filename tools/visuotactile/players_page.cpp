@@ -47,8 +47,7 @@ PlayersPage::show()
     });
     add(line, toggle);
     gtk_list_box_append(GTK_LIST_BOX(list_), line);
-    gtk_list_box_row_set_activatable(
-        GTK_LIST_BOX_ROW(gtk_widget_get_parent(line)), FALSE);
+    gtk_list_box_row_set_activatable(GTK_LIST_BOX_ROW(gtk_widget_get_parent(line)), FALSE);
     gtk_widget_set_focusable(gtk_widget_get_parent(line), FALSE);
   }
   shows_ = false;

@@ -65,11 +65,15 @@ private:
 };
 
 Window::Window(GtkApplication *application, const std::string &film_uri)
-    : window_(GTK_WINDOW(gtk_application_window_new(application))),
-      shared_{ .change = [this](auto arguments,
-                                auto done) { change(std::move(arguments), std::move(done)); },
-               .complain = [this](const std::string &text) { complain(text); },
-               .show_state = [this] { show_state(); } },
+    : window_(GTK_WINDOW(gtk_application_window_new(application))), shared_{
+        .change
+        = [this](auto arguments, auto done) { change(std::move(arguments), std::move(done)); },
+        .complain = [this](const std::string &text) { complain(text); },
+        .show_state =
+            [this] {
+              show_state();
+            }
+      },
       chair_(shared_), film_(window_, shared_), players_(shared_),
       follow_([this] { show_state(); }), watch_([this, alive = alive_] {
         // On a thread of its own.
@@ -102,8 +106,8 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
   gtk_widget_set_vexpand(stack_, TRUE);
   add(box, stack_);
   GtkWidget *foot = column();
-  for (const auto set : { gtk_widget_set_margin_start, gtk_widget_set_margin_end,
-                          gtk_widget_set_margin_bottom })
+  for (const auto set :
+       { gtk_widget_set_margin_start, gtk_widget_set_margin_end, gtk_widget_set_margin_bottom })
     set(foot, 12);
   gtk_widget_add_css_class(complaint_, "complaint");
   gtk_label_set_selectable(GTK_LABEL(complaint_), TRUE);
@@ -129,8 +133,9 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
     open_film(film_uri);
   show_settings();
   chair_.look();
-  g_object_set_data_full(G_OBJECT(window_), "window", this,
-                         +[](gpointer self) { delete static_cast<Window *>(self); });
+  g_object_set_data_full(
+      G_OBJECT(window_), "window", this,
+      +[](gpointer self) { delete static_cast<Window *>(self); });
 }
 
 Window::~Window()
@@ -141,8 +146,8 @@ Window::~Window()
 void
 Window::add_page(GtkWidget *page, const char *id, const char *title)
 {
-  for (const auto set : { gtk_widget_set_margin_start, gtk_widget_set_margin_end,
-                          gtk_widget_set_margin_bottom })
+  for (const auto set :
+       { gtk_widget_set_margin_start, gtk_widget_set_margin_end, gtk_widget_set_margin_bottom })
     set(page, 12);
   GtkWidget *scrolled = gtk_scrolled_window_new();
   gtk_scrolled_window_set_policy(GTK_SCROLLED_WINDOW(scrolled), GTK_POLICY_NEVER,
@@ -160,15 +165,15 @@ Window::add_actions()
   const auto on_key = [&](const char *key, std::function<void()> call) {
     gtk_shortcut_controller_add_shortcut(
         GTK_SHORTCUT_CONTROLLER(keys),
-        gtk_shortcut_new(gtk_shortcut_trigger_parse_string(key),
-                         gtk_callback_action_new(
-                             +[](GtkWidget *, GVariant *, gpointer own) -> gboolean {
-                               (*static_cast<std::function<void()> *>(own))();
-                               return TRUE;
-                             },
-                             new std::function<void()>(std::move(call)), +[](gpointer own) {
-                               delete static_cast<std::function<void()> *>(own);
-                             })));
+        gtk_shortcut_new(
+            gtk_shortcut_trigger_parse_string(key),
+            gtk_callback_action_new(
+                +[](GtkWidget *, GVariant *, gpointer own) -> gboolean {
+                  (*static_cast<std::function<void()> *>(own))();
+                  return TRUE;
+                },
+                new std::function<void()>(std::move(call)),
+                +[](gpointer own) { delete static_cast<std::function<void()> *>(own); })));
   };
   on_key("<Control>o", [this] { film_.choose(); });
   on_key("<Control>m", [this] {
@@ -186,14 +191,13 @@ void
 Window::change(std::vector<std::string> arguments, std::function<void()> done)
 {
   Command::start(std::move(arguments),
-                 { .line = {},
-                   .ended = [this, alive = alive_, done](const std::string &complaint) {
-                     if (!*alive)
-                       return;
-                     complain(complaint);
-                     if (done)
-                       done();
-                   } });
+                 { .line = {}, .ended = [this, alive = alive_, done](const std::string &complaint) {
+                    if (!*alive)
+                      return;
+                    complain(complaint);
+                    if (done)
+                      done();
+                  } });
 }
 
 void
