@@ -44,11 +44,11 @@
 #include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
+#include "trackreader.h"
 
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -58,6 +58,7 @@
 
 using tactile::Mix;
 using tactile::TactileMap;
+using Part = TrackReader::Part;
 
 GST_DEBUG_CATEGORY_STATIC(tactile_combiner_debug);
 #define GST_CAT_DEFAULT tactile_combiner_debug
@@ -66,35 +67,10 @@ namespace {
 
 constexpr double kMaxOffset = 360000.0 * GST_SECOND; ///< 100 hours
 
-/// Most maps of the track on one frame: of a still picture that is shown for long.
-constexpr std::size_t kMostMaps = 1000;
-
 struct CombinerSettings
 {
   Mix mix = Mix::replace;
   gint64 offset = 0; ///< ns
-};
-
-/// A map of the track, and its time in the film's running time.
-struct Held
-{
-  gint64 begin = 0;
-  std::optional<gint64> end; ///< none: until the next map
-  TactileMap map;
-  bool is_sound = false; ///< kSoundMap
-
-  bool covers(gint64 time) const
-  {
-    return !end || time < *end;
-  }
-};
-
-/// A part of a frame: what the track has from `begin` on.
-struct Part
-{
-  gint64 begin = 0;
-  TactileMap map;
-  bool is_sound = false;
 };
 
 } // namespace
@@ -104,9 +80,7 @@ struct GstTactileCombinerPrivate
   CombinerSettings settings; ///< guarded by the object lock
 
   /* Aggregator's thread, or while it is stopped. */
-  guint rows = 0; ///< of the track
-  guint columns = 0;
-  std::optional<Held> held;
+  TrackReader track;
   std::vector<Part> parts; ///< of the next frame, as far as they are known
   GstClockTime frame_duration = GST_CLOCK_TIME_NONE; ///< by the frame rate
   fusion::Fusion fusion;
@@ -144,166 +118,6 @@ static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
-
-/* ---- the track ---- */
-
-/* Running time of a buffer; none if it is before the segment or has no time. */
-static std::optional<gint64>
-time_of(GstAggregatorPad *pad, GstClockTime pts)
-{
-  GST_OBJECT_LOCK(pad);
-  const GstSegment segment = pad->segment;
-  GST_OBJECT_UNLOCK(pad);
-  const std::optional<fusion::Time> time = running_time::of(segment, pts);
-  return time ? std::optional<gint64>(time->count()) : std::nullopt;
-}
-
-/* Running time of the end of a buffer that begins at `begin`; none without a duration. */
-static std::optional<gint64>
-end_of(GstAggregatorPad *pad, GstBuffer *buffer, GstClockTime duration, gint64 begin)
-{
-  GST_OBJECT_LOCK(pad);
-  const GstSegment segment = pad->segment;
-  GST_OBJECT_UNLOCK(pad);
-  if (!GST_CLOCK_TIME_IS_VALID(duration))
-    return std::nullopt;
-  if (segment.rate < 0)
-    return begin + static_cast<gint64>(duration);
-  const std::optional<fusion::Time> end = running_time::of(
-      segment, std::min<GstClockTime>(GST_BUFFER_PTS(buffer) + duration, segment.stop));
-  return end ? std::max(end->count(), begin) : begin;
-}
-
-/* The map in a buffer; silent for a GAP. FALSE if it is not a map. */
-static gboolean
-read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
-{
-  GstTactileCombinerPrivate *priv = self->priv;
-  map = TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
-  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP))
-    return TRUE;
-  gfloat *levels = nullptr;
-  gsize count = 0;
-  if (priv->rows == 0
-      || !gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count)) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
-                      ("expected %u x %u float32 levels, got %" G_GSIZE_FORMAT " bytes", priv->rows,
-                       priv->columns, gst_buffer_get_size(buffer)));
-    return FALSE;
-  }
-  std::copy(levels, levels + count, map.levels.begin());
-  g_free(levels);
-  map.frequency = gst_buffer_get_tactile_frequency(buffer);
-  return TRUE;
-}
-
-/* Of a GAP event for lost data. */
-static bool
-is_lost(GstBuffer *gap)
-{
-  return gst_buffer_get_custom_meta(gap, "GstAggregatorMissingDataMeta") != nullptr;
-}
-
-/* The track at a time to which it was advanced; silence where it has nothing. */
-static Part
-part_at(GstTactileCombiner *self, gint64 time)
-{
-  const GstTactileCombinerPrivate *priv = self->priv;
-  if (priv->held && priv->held->covers(time))
-    return { .begin = time, .map = priv->held->map, .is_sound = priv->held->is_sound };
-  return { .begin = time,
-           .map = TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns)) };
-}
-
-/* Advances the track to `time`. NEED_DATA if that is not known yet. */
-static GstFlowReturn
-advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
-{
-  GstTactileCombinerPrivate *priv = self->priv;
-  GST_OBJECT_LOCK(self);
-  const gint64 offset = priv->settings.offset;
-  GST_OBJECT_UNLOCK(self);
-
-  for (;;) {
-    GstBuffer *head = gst_aggregator_pad_peek_buffer(pad);
-    if (head == nullptr) {
-      const bool covers = priv->held && priv->held->end && priv->held->covers(time);
-      return covers || gst_aggregator_pad_is_eos(pad) ? GST_FLOW_OK : GST_AGGREGATOR_FLOW_NEED_DATA;
-    }
-    const std::optional<gint64> running = time_of(pad, GST_BUFFER_PTS(head));
-    if (running && *running + offset > time) {
-      gst_buffer_unref(head);
-      return GST_FLOW_OK;
-    }
-    // Lost on the way: the map before it holds.
-    if (running && is_lost(head)) {
-      const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running);
-      if (priv->held && priv->held->end && end)
-        priv->held->end = *end + offset;
-      gst_buffer_unref(head);
-      gst_aggregator_pad_drop_buffer(pad);
-      continue;
-    }
-    Held next;
-    const gboolean is_map = read_map(self, head, next.map);
-    if (is_map && running) {
-      next.begin = *running + offset;
-      next.is_sound = GST_BUFFER_FLAG_IS_SET(head, kSoundMap);
-      if (const auto end = end_of(pad, head, GST_BUFFER_DURATION(head), *running))
-        next.end = *end + offset;
-      priv->held = next;
-    }
-    gst_buffer_unref(head);
-    gst_aggregator_pad_drop_buffer(pad);
-    if (!is_map)
-      return GST_FLOW_ERROR;
-  }
-}
-
-/* The next time after `time` at which the track may change. */
-static gint64
-next_change(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
-{
-  GST_OBJECT_LOCK(self);
-  const gint64 offset = self->priv->settings.offset;
-  GST_OBJECT_UNLOCK(self);
-  gint64 next = std::numeric_limits<gint64>::max();
-  const auto offer = [&](gint64 change) {
-    if (change > time)
-      next = std::min(next, change);
-  };
-  if (const std::optional<Held> &held = self->priv->held) {
-    offer(held->begin);
-    offer(held->end.value_or(time));
-  }
-  if (g_autoptr(GstBuffer) head = gst_aggregator_pad_peek_buffer(pad))
-    offer(time_of(pad, GST_BUFFER_PTS(head)).value_or(time - offset + 1) + offset);
-  return next;
-}
-
-/* Adds the track's parts of a frame that is shown in [begin, end). NEED_DATA if not all are known
- * yet. */
-static GstFlowReturn
-add_parts(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 begin, gint64 end)
-{
-  GstTactileCombinerPrivate *priv = self->priv;
-  for (std::vector<Part> &parts = priv->parts; parts.size() < kMostMaps;) {
-    const gint64 at = parts.empty() ? begin : next_change(self, pad, parts.back().begin);
-    if (at >= end)
-      break;
-    if (const GstFlowReturn flow = advance(self, pad, at); flow != GST_FLOW_OK)
-      return flow;
-    Part part = part_at(self, at);
-    if (!parts.empty() && part.is_sound) // pieces of sound are whole frames
-      break;
-    if (parts.size() + 1 == kMostMaps) // and holds until the next frame
-      std::ranges::fill(part.map.levels, 0.0F);
-    parts.push_back(std::move(part));
-    if (parts.back().is_sound)
-      break;
-  }
-  return GST_FLOW_OK;
-}
 
 /* ---- frames ---- */
 
@@ -443,14 +257,14 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   if (frame == nullptr)
     return gst_aggregator_pad_is_eos(self->videopad) ? end_film(self)
                                                      : GST_AGGREGATOR_FLOW_NEED_DATA;
-  const std::optional<gint64> time = time_of(self->videopad, GST_BUFFER_PTS(frame));
+  const std::optional<gint64> time = TrackReader::time_of(self->videopad, GST_BUFFER_PTS(frame));
   GST_OBJECT_LOCK(self);
-  const Mix mix = self->priv->settings.mix;
+  const auto [mix, offset] = self->priv->settings;
   GST_OBJECT_UNLOCK(self);
   const GstClockTime duration = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame)
                                                                     : self->priv->frame_duration;
   const gint64 begin = time.value_or(0);
-  const gint64 end = end_of(self->videopad, frame, duration, begin).value_or(begin);
+  const gint64 end = TrackReader::end_of(self->videopad, frame, duration, begin).value_or(begin);
   gst_buffer_unref(frame);
 
   GstAggregatorPad *track = tactile_pad(self);
@@ -463,8 +277,8 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     const bool splits = !is_reverse && (mix == Mix::replace || mix == Mix::max || mix == Mix::sum);
     if (!parts.empty() && parts.front().begin != begin) /* the film alone was flushed */
       parts.clear();
-    const GstFlowReturn flow
-        = add_parts(self, track, begin, splits ? std::max(end, begin + 1) : begin + 1);
+    const GstFlowReturn flow = self->priv->track.add_parts(
+        track, offset, begin, splits ? std::max(end, begin + 1) : begin + 1, parts);
     if (flow != GST_FLOW_OK && !(flow == GST_AGGREGATOR_FLOW_NEED_DATA && timeout)) {
       gst_object_unref(track);
       return flow;
@@ -476,10 +290,10 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     return GST_AGGREGATOR_FLOW_NEED_DATA;
   }
   /* A track without any caps has no grid. */
-  if (track != nullptr && time && self->priv->rows > 0 && !is_gap(frame)) {
+  if (track != nullptr && time && self->priv->track.has_grid() && !is_gap(frame)) {
     frame = writable_frame(frame);
     if (parts.empty()) /* a live film does not wait */
-      parts.push_back(part_at(self, *time));
+      parts.push_back(self->priv->track.part_at(*time));
     put_maps(self, frame, parts, end, mix);
   }
   parts.clear();
@@ -576,8 +390,7 @@ gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad
       self->priv->frame_duration
           = n > 0 ? gst_util_uint64_scale_int(GST_SECOND, d, n) : GST_CLOCK_TIME_NONE;
       gst_aggregator_set_src_caps(aggregator, caps);
-    } else if (!gst_tactile_map_caps_parse(caps, &self->priv->rows, &self->priv->columns, nullptr,
-                                           nullptr)) {
+    } else if (!self->priv->track.set_caps(caps)) {
       gst_event_unref(event);
       return FALSE;
     }
@@ -587,7 +400,7 @@ gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad
     if (is_video)
       gst_aggregator_update_segment(aggregator, segment);
     else
-      self->priv->held.reset();
+      self->priv->track.clear();
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && !is_video) {
     self->priv->track_ended = true;
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
@@ -638,7 +451,7 @@ static GstFlowReturn
 gst_tactile_combiner_flush(GstAggregator *aggregator)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
-  priv->held.reset();
+  priv->track.clear();
   priv->parts.clear();
   priv->fusion.reset();
   priv->track_ended = priv->track_is_ahead = false;
@@ -649,10 +462,9 @@ static gboolean
 gst_tactile_combiner_stop(GstAggregator *aggregator)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
-  priv->held.reset();
+  priv->track.reset();
   priv->parts.clear();
   priv->fusion.reset();
-  priv->rows = priv->columns = 0;
   priv->track_ended = priv->track_is_ahead = false;
   const std::lock_guard lock(priv->mutex);
   priv->film_is_over = false;

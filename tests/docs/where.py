@@ -79,7 +79,7 @@ for row in rows("Programs"):
 # Names of the program's surroundings, each with the file that uses it.
 code = {file: file.read_text() for folder in ("lib", "gst", "tools") for suffix in ("*.cpp", "*.h") for file in sorted((root / folder).rglob(suffix))}
 for title, pattern in (("Environment variables", r'getenv\("(VISUOTACTILE_\w+)"'), ("Programs on the session bus", r'"(org\.visuotactile\.\w+)"'),
-                       ("Metas and caps", r'= "(Visuotactile\w+Meta)"|^typedef struct _(Gst\w+Meta) |_MEDIA_TYPE "([\w/-]+)"')):
+                       ("Metas and caps", r'register_moved_map\("(\w+)"|^typedef struct _(Gst\w+Meta) |_MEDIA_TYPE "([\w/-]+)"')):
     found = {name for text in code.values() for match in re.finditer(pattern, text, re.M) for name in match.groups() if name}
     if not found:
         wrong.append(f"{title}: nothing found in the sources")

@@ -125,7 +125,8 @@ make_machine() {
   tar -x -C "$1" -f "$bare"
   echo force-unsafe-io >"$1/etc/dpkg/dpkg.cfg.d/unsafe-io"
   cp /etc/resolv.conf "$1/etc/"
-  cp /etc/apt/apt.conf.d/*proxy* "$1/etc/apt/apt.conf.d/" 2>/dev/null || true
+  # It downloads by the same proxy, and is as strict about dates.
+  apt-config dump | grep -E '^Acquire::(Check-|https?::)' >"$1/etc/apt/apt.conf.d/90machine" || true
 }
 [ -n "$keep" ] || rm -rf "$machine"
 [ -d "$machine/visuotactile" ] || make_machine "$machine"

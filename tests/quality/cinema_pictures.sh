@@ -20,5 +20,5 @@ for labels in "$here"/labels/*.csv; do
   GST_PLUGIN_PATH=$build/gst GST_REGISTRY_1_0=$work/registry \
     "$build/tools/tactile-track" author -q --rate=0 "$file" -o "$work/$film, $name.csv"
   "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-track-$name.png"
-  "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-moments-$name.png" "$file"
+  "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-moments-$name.png" "$file" || echo "$film: no moments"
 done

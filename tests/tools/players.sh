@@ -214,7 +214,8 @@ for player in totem parole; do
   start "$player" own_sink "$player" "$player" "$work/moving.mkv"
   finish
 done
-start clapper own_sink com.github.rafostar.Clapper clapper "$work/moving.mkv"
+# Clapper 0.5 is a script behind a link, by whose name it goes.
+start clapper own_sink "$(basename "$(readlink -f "$(command -v clapper)")")" clapper "$work/moving.mkv"
 finish
 start gtk own_sink "$(basename "$(readlink -f "$PYTHON")")" "$PYTHON" "$here/video_in_gtk.py" "$work/moving.mkv"
 finish

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import pty
+import shutil
 import signal
 import subprocess
 import sys
@@ -182,6 +183,7 @@ def players():
     yield Uri("gst-launch-1.0 playbin", "gst-launch-1.0", "gst-launch-1.0", "playbin")
     yield CommandLine("Totem", "totem", "totem")
     yield Keys("Parole", "parole", 760, "parole")
-    yield Mpris("Clapper", "com.github.rafostar.Clapper", "Clapper", "clapper")
+    clapper = os.path.basename(os.path.realpath(shutil.which("clapper") or "clapper"))  # 0.5: com.github.rafostar.Clapper
+    yield Mpris("Clapper", clapper, "Clapper", "clapper")
     yield Script("GTK 4's GtkVideo", python, PYTHON, HERE / "video_in_gtk.py")
     yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", two=True, rate=True)

@@ -41,17 +41,10 @@ transform(GstBuffer *dest, GstCustomMeta *meta, GstBuffer *frame, GQuark type, g
   return TRUE;
 }
 
-/// Registered once per process, as in sound_meta.cpp.
 const gchar *
 meta_name()
 {
-  static const gchar *const name = [] {
-    constexpr const gchar *kName = "VisuotactileLaterMaps";
-    static const gchar *tags[] = { "video", "size", "orientation", nullptr };
-    if (gst_meta_get_info(kName) == nullptr)
-      gst_meta_register_custom(kName, tags, transform, nullptr, nullptr);
-    return kName;
-  }();
+  static const gchar *const name = register_moved_map("VisuotactileLaterMaps", transform);
   return name;
 }
 

@@ -29,3 +29,14 @@ moved_map(GstBuffer *frame, tactile::TactileMap map, GQuark type, gpointer data)
   std::copy_n(meta->levels, map.levels.size(), map.levels.begin());
   return map;
 }
+
+/// Registers the custom meta of a map that moves with the frame's, once per process: each plugin
+/// has this code, and plugins stay loaded. Returns its name.
+inline const gchar *
+register_moved_map(const gchar *name, GstCustomMetaTransformFunction transform)
+{
+  static const gchar *tags[] = { "video", "size", "orientation", nullptr };
+  if (gst_meta_get_info(name) == nullptr)
+    gst_meta_register_custom(name, tags, transform, nullptr, nullptr);
+  return name;
+}

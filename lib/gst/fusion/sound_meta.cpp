@@ -25,17 +25,10 @@ transform(GstBuffer *dest, GstCustomMeta *, GstBuffer *frame, GQuark type, gpoin
   return TRUE;
 }
 
-/// Registered once per process: each plugin has this code, and plugins stay loaded.
 const gchar *
 meta_name()
 {
-  static const gchar *const name = [] {
-    constexpr const gchar *kName = "VisuotactileSoundMeta";
-    static const gchar *tags[] = { "video", "size", "orientation", nullptr };
-    if (gst_meta_get_info(kName) == nullptr)
-      gst_meta_register_custom(kName, tags, transform, nullptr, nullptr);
-    return kName;
-  }();
+  static const gchar *const name = register_moved_map("VisuotactileSoundMeta", transform);
   return name;
 }
 

@@ -152,6 +152,10 @@ LevelCurves::set_frequency(const Point &from, const Point &to)
 tl::expected<Track, FormatError>
 LevelCurves::join(Track track, std::span<const std::vector<std::size_t>> cells)
 {
+  if (changes_.size() > kMostJoined / (cells.size() + track.rows() * track.columns()))
+    return wrong("more changes, " + std::to_string(changes_.size())
+                 + ", than are read of so many channels and cells, "
+                 + std::to_string(cells.size() + track.rows() * track.columns()));
   std::ranges::stable_sort(changes_, {}, &Change::time);
   struct Active
   {

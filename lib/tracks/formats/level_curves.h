@@ -28,6 +28,9 @@ public:
   /// Limit on the curves that overlap on one channel.
   static constexpr std::size_t kMostAtOnce = 1000;
 
+  /// Limit on the changes times the channels and cells.
+  static constexpr std::size_t kMostJoined = std::size_t{ 1 } << 30;
+
   /// @param ticks_per_second 1 to 1,000,000 @param step_length in ticks
   LevelCurves(double ticks_per_second, std::int64_t step_length);
 
@@ -51,7 +54,7 @@ public:
   }
 
   /// The track, once. Its grid must have each cell of `cells`, which has the cells of each channel.
-  /// It ends where the last curve does.
+  /// It ends where the last curve does. Fails beyond kMostJoined.
   tl::expected<Track, FormatError> join(Track track,
                                         std::span<const std::vector<std::size_t>> cells);
   /// The track of channel 0 as one cell.

@@ -99,10 +99,10 @@ public:
     for (GstEvent *event : beginning(caps, base))
       g_async_queue_push(to_push_, event);
   }
-  /// The next frame that is pulled is the first one.
-  void restart_times()
+  /// The next frame that is pulled is this one.
+  void restart_times(guint number = 0)
   {
-    next_ = 0;
+    next_ = number;
   }
   void push_raw(GstBuffer *map)
   {
@@ -268,6 +268,28 @@ GST_START_TEST(test_maps_within_a_frame)
       c.pull();
       fail_unless(c.later.empty());
     }
+}
+GST_END_TEST;
+
+/// A map of one frame is on one frame of a film that runs backward, however fast.
+GST_START_TEST(test_reverse)
+{
+  for (const double rate : { -1.0, -2.0, -0.5 }) {
+    Combiner c;
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    segment.rate = rate;
+    segment.stop = segment.position = 10 * kFrame;
+    for (GstHarness *h : { c.video, c.track })
+      fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+    c.push_map(0.5F, 200, 240);
+    c.end_track();
+    for (const guint i : { 6U, 5U, 4U, 3U }) {
+      c.push_frame(i);
+      c.restart_times(i);
+      ASSERT_LEVELS(c, { i == 5 ? 0.5F : 0, 0 });
+    }
+  }
 }
 GST_END_TEST;
 
@@ -637,6 +659,7 @@ tactilecombiner_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_map_at_the_frames_beginning);
   tcase_add_test(tests, test_maps_within_a_frame);
+  tcase_add_test(tests, test_reverse);
   tcase_add_test(tests, test_sound_within_a_frame);
   tcase_add_test(tests, test_own_maps_within_a_frame);
   tcase_add_test(tests, test_frequency);

@@ -2,6 +2,7 @@
 //
 // Malicious tracks: each is read or refused with a reason, within the time limit of a test. The
 // limit of memory is one gibibyte, or three where a parser builds a tree.
+#include "tracks/formats/level_curves.h"
 #include "tracks/formats/track_file.h"
 
 #include "hostile.h"
@@ -179,6 +180,17 @@ GST_START_TEST(test_frequencies_set_again)
 }
 GST_END_TEST;
 
+/// A slope of 20 hours, to which each of thousands of channels would be added in each step.
+GST_START_TEST(test_a_slope_of_many_channels)
+{
+  LevelCurves curves(1000, 1);
+  const LevelCurves::Point points[] = { { 0, 0 }, { 72'000'000, 1 } };
+  fail_unless(curves.add(0, points));
+  const std::vector<std::vector<std::size_t>> cells(4096, { 0 });
+  fail_if(curves.join(tactile::Track(64, 64), cells));
+}
+GST_END_TEST;
+
 static Suite *
 hostile_tracks_suite(void)
 {
@@ -190,6 +202,7 @@ hostile_tracks_suite(void)
   tcase_add_test(cases, test_a_million_cues);
   tcase_add_test(cases, test_deep_and_growing_documents);
   tcase_add_test(cases, test_documents_of_many_parts);
+  tcase_add_test(cases, test_a_slope_of_many_channels);
   tcase_add_test(cases, test_frequencies_set_again);
   tcase_add_test(cases, test_invalid_numbers);
   tcase_add_test(cases, test_times_in_disorder);
