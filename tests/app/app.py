@@ -79,7 +79,7 @@ def feels_motors():
     app.click("push button", "Stop the feel test")
     app.find("push button", "Feel all motors")
     felt = levels()
-    assert felt[63] == 0 and not app.has("visuotactile-play"), felt
+    assert max(felt[63:], default=0) == 0 and not app.has("visuotactile-play"), felt
     app.quit()
 
 

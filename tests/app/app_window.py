@@ -132,6 +132,6 @@ def settings():
     return file.read_text(encoding="utf-8").split("\n") if file.exists() else []
 
 
-def picture(file):
-    """The screen as a PNG."""
-    subprocess.run(["gst-launch-1.0", "-q", "ximagesrc", "num-buffers=1", "!", "videoconvert", "!", "pngenc", "!", "filesink", f"location={file}"], check=True)
+def picture(file, width, height):
+    """The top left of the screen as a PNG."""
+    subprocess.run(["gst-launch-1.0", "-q", "ximagesrc", "show-pointer=false", f"endx={width - 1}", f"endy={height - 1}", "num-buffers=1", "!", "videoconvert", "!", "pngenc", "!", "filesink", f"location={file}"], check=True)

@@ -61,6 +61,8 @@ LiveSettings::apply()
       gst_util_set_object_arg(G_OBJECT(sink_.get()), key.name, now.at(key.name).c_str());
       continue;
     }
+    if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink_.get()), "ts-offset") == nullptr)
+      continue; // shakers
     // The offset of a followed player's sink is more than the delay.
     gint64 offset = 0;
     g_object_get(sink_.get(), "ts-offset", &offset, nullptr);

@@ -164,7 +164,7 @@ chair_line(const Options &options)
     line += " intensity=" + number_text(options.intensity);
   if (options.mute)
     line += " mute=true";
-  if (options.delay != 0)
+  if (options.delay != 0 && options.driver.text() != kAudio)
     line += " ts-offset=" + std::to_string(std::llround(options.delay * 1e6));
   if (options.mapping.is_set())
     line += " mapping=" + launch_value(options.mapping.text());

@@ -93,7 +93,7 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
 {
   gtk_window_set_title(window_, "visuotactile");
   gtk_window_set_icon_name(window_, "org.visuotactile.Chair");
-  gtk_window_set_default_size(window_, 560, 740);
+  gtk_window_set_default_size(window_, 560, 790);
   GtkWidget *header = gtk_header_bar_new();
   GtkWidget *switcher = gtk_stack_switcher_new();
   gtk_stack_switcher_set_stack(GTK_STACK_SWITCHER(switcher), GTK_STACK(stack_));
