@@ -18,14 +18,14 @@ CHAIR = work / "config/visuotactile/chair.conf"
 CHAIR.parent.mkdir(parents=True)
 
 
-def take(name, page, width, height, **environment):
+def take(name, page, width, height, start="Feel all motors", **environment):
     CHAIR.write_text("[chair]\ndriver=simulator\n", encoding="utf-8")
     app = App(**environment)
-    app.find("label", "No device is connected")
+    app.find("label", "⚠")
     app.key(f"ctrl+{page}")
     if page == 1:
-        app.click("push button", "Feel all motors")
-        wait_until("a motor", lambda: app.find_now("label", "row 2"))
+        app.click("push button", start)
+        wait_until("a motor", lambda: app.find_now("label", "row "))
     else:
         app.find("push button" if page == 2 else "check box", "Open a film" if page == 2 else "mpv")
     picture(folder / f"{name}.png", width, height)
@@ -37,4 +37,4 @@ take("chair-dark", 1, 560, 790, GTK_THEME="Adwaita:dark")
 take("film", 2, 560, 790)
 take("players", 3, 560, 790)
 take("chair-200", 1, 1120, 1580, GDK_SCALE="2")
-take("chair-de", 1, 560, 790, LC_ALL="C.UTF-8", LANGUAGE="de")
+take("chair-de", 1, 560, 790, "Motoren fühlen", LC_ALL="C.UTF-8", LANGUAGE="de")
