@@ -312,17 +312,18 @@ ChairPage::test(int motor)
     arguments.push_back("--motor=" + std::to_string(motor));
   set_text(test_, _("_Stop the feel test"));
   const auto number = std::make_shared<int>(motor > 0 ? motor : 1);
-  tested_ = Command::start(std::move(arguments), { .line =
-                                                       [this, number](const std::string &line) {
-                                                         gtk_label_set_text(GTK_LABEL(felt_),
-                                                                            line.c_str());
-                                                         if (!line.starts_with("simulated"))
-                                                           picture_.light((*number)++, line);
-                                                       },
-                                                   .ended =
-                                                       [this](const std::string &complaint) {
-                                                         tested(complaint);
-                                                       } });
+  tested_ = Command::start(std::move(arguments),
+                           { .line =
+                                 [this, number](const std::string &line) {
+                                   const bool is_motor = !line.starts_with("simulated");
+                                   const std::string shown
+                                       = is_motor ? picture_.light((*number)++, line) : line;
+                                   gtk_label_set_text(GTK_LABEL(felt_), shown.c_str());
+                                 },
+                             .ended =
+                                 [this](const std::string &complaint) {
+                                   tested(complaint);
+                                 } });
 }
 
 void

@@ -94,14 +94,18 @@ ChairPicture::show_none()
   motors_.clear();
 }
 
-void
+std::string
 ChairPicture::light(int number, const std::string &motor)
 {
   if (number == static_cast<int>(motors_.size()) + 1)
     put(motor, (number - 1) % kListed, (number - 1) / kListed);
+  std::string shown = motor;
   for (std::size_t i = 0; i < motors_.size(); i++)
-    if (static_cast<int>(i) + 1 == number)
+    if (static_cast<int>(i) + 1 == number) {
       gtk_widget_add_css_class(motors_[i], "felt");
-    else
+      shown = gtk_widget_get_tooltip_text(motors_[i]);
+    } else {
       gtk_widget_remove_css_class(motors_[i], "felt");
+    }
+  return shown;
 }

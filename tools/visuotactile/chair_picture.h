@@ -22,8 +22,9 @@ public:
   void show_grid(unsigned rows, unsigned columns);
   /// No motors: the names come with the feel test.
   void show_none();
-  /// Lights motor `number`, from 1, alone; 0: none. One that is new joins the others.
-  void light(int number, const std::string &name);
+  /// Lights motor `number`, from 1, alone; 0: none. One that is new joins the others. Returns its
+  /// name in the user's language.
+  std::string light(int number, const std::string &name);
 
 private:
   void put(const std::string &name, int column, int row);
