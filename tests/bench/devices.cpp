@@ -23,6 +23,8 @@
 #include <gst/base/gstbasesink.h>
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using tactor::Time;
 using Clock = std::chrono::steady_clock;
@@ -301,29 +303,14 @@ print_timing()
 
 } // namespace
 
-GST_START_TEST(test_ways_out)
+CHECK_TEST(test_ways_out)
 {
   print_ways_out();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_timing)
+CHECK_TEST(test_timing)
 {
   print_timing();
 }
-GST_END_TEST;
 
-static Suite *
-devices_suite(void)
-{
-  usb_test::begin_emulation();
-  Suite *suite = suite_create("devices");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_set_timeout(tests, 300);
-  tcase_add_test(tests, test_ways_out);
-  tcase_add_test(tests, test_timing);
-  return suite;
-}
-
-GST_CHECK_MAIN(devices);
+CHECK_MAIN_AFTER(devices, 300, usb_test::begin_emulation())

@@ -20,7 +20,7 @@ extern "C" {
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -266,7 +266,7 @@ start(Board &board, std::uint8_t level = 0)
 } // namespace
 
 /// Motors are off from power-on, and actively driven to zero by the first byte of the banner.
-GST_START_TEST(test_boot)
+CHECK_TEST(test_boot)
 {
   Board board;
   board.run_while_not(
@@ -280,9 +280,8 @@ GST_START_TEST(test_boot)
     fail_unless(board.driven(pin), "pin %d floats", pin.number);
   ck_assert_int_eq(board.level(kLight), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_answers)
+CHECK_TEST(test_answers)
 {
   Board board;
   Bytes greeting{ 0xF9, 2, 5 };
@@ -312,10 +311,9 @@ GST_START_TEST(test_answers)
   fail_unless(board.ask({ 0xF0, 0x6D, 70, 0xF7 }).empty());
   fail_unless(board.ask({ 0xF0, 0x6D, 0xF7 }).empty());
 }
-GST_END_TEST;
 
 /// Each motor gets its own level, by both messages. No other pin changes.
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   Board board;
   start(board);
@@ -352,11 +350,10 @@ GST_START_TEST(test_levels)
   board.run_for(kSoon);
   fail_unless(board.all_off());
 }
-GST_END_TEST;
 
 /// PWM is always at 31.4 kHz, except on timer 0 (pin 4 of the Mega, 5 and 6 of the Uno), whose 976
 /// Hz are the core's clock. Levels do not change.
-GST_START_TEST(test_frequency)
+CHECK_TEST(test_frequency)
 {
   for (const Model &model : { mega, uno }) {
     Board board(model);
@@ -381,10 +378,9 @@ GST_START_TEST(test_frequency)
     check(200);
   }
 }
-GST_END_TEST;
 
 /// Motors run for 250 ms after the last byte. Later commands work again.
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   for (const Model &model : { mega, uno }) {
     Board board(model);
@@ -408,10 +404,9 @@ GST_START_TEST(test_silence)
     fail_unless(board.all_off());
   }
 }
-GST_END_TEST;
 
 /// Any byte resets the watchdog, including keepalives.
-GST_START_TEST(test_keepalive)
+CHECK_TEST(test_keepalive)
 {
   Board board;
   start(board, 100);
@@ -425,11 +420,10 @@ GST_START_TEST(test_keepalive)
       ck_assert_int_eq(board.level(pin), 100);
   }
 }
-GST_END_TEST;
 
 /// The program hangs while the host goes on. The chip's watchdog resets it within 0.6 s, and it
 /// sends its banner.
-GST_START_TEST(test_hung_program)
+CHECK_TEST(test_hung_program)
 {
   Board board;
   start(board, 100);
@@ -450,34 +444,15 @@ GST_START_TEST(test_hung_program)
   fail_if(board.has_answered());
   fail_unless(board.ask({ 0xF9 }) == (Bytes{ 0xF9, 2, 5 }));
 }
-GST_END_TEST;
 
 /// The sketch fits an Uno: 32 KiB of flash without the boot loader, 2 KiB of RAM with a quarter for
 /// the stack. The real library is larger than its stand-in, so only half of the flash is allowed.
-GST_START_TEST(test_size)
+CHECK_TEST(test_size)
 {
   elf_firmware_t firmware{};
   ck_assert_int_eq(elf_read_firmware(uno.sketch.c_str(), &firmware), 0);
   ck_assert_int_lt(static_cast<int>(firmware.flashsize), (32 * 1024 - 512) / 2);
   ck_assert_int_lt(static_cast<int>(firmware.datasize + firmware.bsssize), 2048 * 3 / 4);
-}
-GST_END_TEST;
-
-static Suite *
-seat_suite()
-{
-  Suite *suite = suite_create("seat");
-  TCase *tcase = tcase_create("general");
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_boot);
-  tcase_add_test(tcase, test_answers);
-  tcase_add_test(tcase, test_levels);
-  tcase_add_test(tcase, test_frequency);
-  tcase_add_test(tcase, test_silence);
-  tcase_add_test(tcase, test_keepalive);
-  tcase_add_test(tcase, test_hung_program);
-  tcase_add_test(tcase, test_size);
-  return suite;
 }
 
 int
@@ -488,5 +463,5 @@ main(int argc, char **argv)
   mega.sketch = argv[1];
   uno.sketch = argv[2];
   gst_check_init(&argc, &argv);
-  return gst_check_run_suite(seat_suite(), "seat", __FILE__);
+  return check_tests::run("seat", __FILE__);
 }

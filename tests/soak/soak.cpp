@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <malloc.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 double hours = 0.1; ///< of film, in each test
@@ -104,7 +106,7 @@ constexpr int kLooks = 24; ///< samples per run
 
 /// A new level every 200 ms: one command per block, issued at its exact due time, in the last hour
 /// as in the first.
-GST_START_TEST(test_hours_on_the_clock)
+CHECK_TEST(test_hours_on_the_clock)
 {
   constexpr int kFramesPerBlock = 5;
   const auto frames = static_cast<guint64>(hours * 3600 * 25);
@@ -137,10 +139,9 @@ GST_START_TEST(test_hours_on_the_clock)
   std::printf("%" G_GUINT64_FORMAT " commands, issued - due at most %" G_GINT64_FORMAT " ns\n",
               frame / kFramesPerBlock + 1, most);
 }
-GST_END_TEST;
 
 /// Analysis, extractor, queue and planner, as fast as possible.
-GST_START_TEST(test_hours_of_film)
+CHECK_TEST(test_hours_of_film)
 {
   constexpr int kRate = 10;
   const auto frames = static_cast<gint>(hours * 3600 * kRate);
@@ -185,10 +186,9 @@ GST_START_TEST(test_hours_of_film)
   gst_object_unref(tactors);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 /// Loops by seeking to the start, as in an exhibition.
-GST_START_TEST(test_looping_clips)
+CHECK_TEST(test_looping_clips)
 {
   for (gchar **clip = clips; clip && *clip; clip++) {
     GstElement *pipeline = make_pipeline(
@@ -217,7 +217,6 @@ GST_START_TEST(test_looping_clips)
     gst_object_unref(pipeline);
   }
 }
-GST_END_TEST;
 
 int
 main(int argc, char **argv)
@@ -240,13 +239,7 @@ main(int argc, char **argv)
   // Does not fork and has no time limit: usage is measured per process.
   g_setenv("CK_FORK", "no", TRUE);
   gst_check_init(&argc, &argv);
-  Suite *suite = suite_create("soak");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_hours_on_the_clock);
-  tcase_add_test(tests, test_hours_of_film);
-  tcase_add_test(tests, test_looping_clips);
-  const int failed = gst_check_run_suite(suite, "soak", __FILE__);
+  const int failed = check_tests::run("soak", __FILE__);
   g_strfreev(clips);
   return failed;
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace usb_test;
 
@@ -77,7 +77,7 @@ property(GstDevice *device, const char *name)
 } // namespace
 
 /// A board that is present, one that is added, and one that is removed.
-GST_START_TEST(test_plugging)
+CHECK_TEST(test_plugging)
 {
   EmulatedUsb usb;
   EmulatedBoard mega(usb, {});
@@ -101,10 +101,9 @@ GST_START_TEST(test_plugging)
   for (GstDevice *device : { first, second, gone })
     gst_object_unref(device);
 }
-GST_END_TEST;
 
 /// Two boards with the same serial number.
-GST_START_TEST(test_twin)
+CHECK_TEST(test_twin)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, { .port = "1-1" });
@@ -125,10 +124,9 @@ GST_START_TEST(test_twin)
   for (GstDevice *device : { alone, changed, added })
     gst_object_unref(device);
 }
-GST_END_TEST;
 
 /// The element of create_element() plays on the device's board.
-GST_START_TEST(test_element)
+CHECK_TEST(test_element)
 {
   EmulatedUsb usb;
   const auto other_firmware = std::make_shared<Firmware>();
@@ -159,19 +157,5 @@ GST_START_TEST(test_element)
   fail_if(board.bytes().empty());
   fail_unless(other.bytes().empty());
 }
-GST_END_TEST;
 
-static Suite *
-device_monitor_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("device_monitor");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_plugging);
-  tcase_add_test(tests, test_twin);
-  tcase_add_test(tests, test_element);
-  return suite;
-}
-
-GST_CHECK_MAIN(device_monitor)
+CHECK_MAIN_AFTER(device_monitor, -1, begin_emulation())

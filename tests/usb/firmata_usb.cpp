@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
+#include "support/check_tests.h"
 #include "support/unwrap.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace usb_test;
@@ -58,7 +58,7 @@ const std::vector<int> kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 44, 45, 46
 } // namespace
 
 /// The first replies are lost, truncated or corrupted. The driver retries and identifies the board.
-GST_START_TEST(test_garbled_replies)
+CHECK_TEST(test_garbled_replies)
 {
   for (const Transport transport : kTransports)
     for (unsigned seed = 0; seed < 12; seed++) {
@@ -94,10 +94,9 @@ GST_START_TEST(test_garbled_replies)
       fail_unless(said > 1 + seed % 5);
     }
 }
-GST_END_TEST;
 
 /// A long reply in packets of one byte, which chips may send.
-GST_START_TEST(test_replies_in_short_packets)
+CHECK_TEST(test_replies_in_short_packets)
 {
   for (const Transport transport : kTransports) {
     UsbRig rig(transport);
@@ -107,10 +106,9 @@ GST_START_TEST(test_replies_in_short_packets)
     fail_unless(rig.obeys());
   }
 }
-GST_END_TEST;
 
 /// No reply is ever complete. The error names the step, and the board is released.
-GST_START_TEST(test_replies_always_cut_short)
+CHECK_TEST(test_replies_always_cut_short)
 {
   constexpr std::uint8_t kCapabilities = 0x6c;
   for (const Transport transport : kTransports)
@@ -140,10 +138,9 @@ GST_START_TEST(test_replies_always_cut_short)
       }
     }
 }
-GST_END_TEST;
 
 /// Noise on an open line does not change the motors.
-GST_START_TEST(test_noise_while_playing)
+CHECK_TEST(test_noise_while_playing)
 {
   for (const Transport transport : kTransports) {
     UsbRig rig(transport);
@@ -159,11 +156,10 @@ GST_START_TEST(test_noise_while_playing)
     fail_unless(rig.driver.status().is_there);
   }
 }
-GST_END_TEST;
 
 /// The zeros of four and nine motors take 2.3 and 4.9 ms on the line. The kernel's driver gets the
 /// board back only after they arrived.
-GST_START_TEST(test_motors_stand_when_released)
+CHECK_TEST(test_motors_stand_when_released)
 {
   for (const Transport transport : kTransports)
     for (const std::size_t motors : { std::size_t{ 4 }, std::size_t{ 9 } })
@@ -191,7 +187,6 @@ GST_START_TEST(test_motors_stand_when_released)
           ck_assert_uint_eq(board.cut_off(), 0);
         }
 }
-GST_END_TEST;
 
 namespace {
 
@@ -262,7 +257,7 @@ is_version(const Bytes &reply)
 } // namespace
 
 /// A board with too few pins, or without watchdog, is refused and released like one that played.
-GST_START_TEST(test_refused_boards_stand_when_released)
+CHECK_TEST(test_refused_boards_stand_when_released)
 {
   for (const Transport transport : kTransports)
     for (const bool has_too_few : { true, false })
@@ -284,12 +279,11 @@ GST_START_TEST(test_refused_boards_stand_when_released)
         fail_unless(left.motors_stand());
       }
 }
-GST_END_TEST;
 
 /// Opening is interrupted, or the line breaks, as soon as the chip has the bytes of the firmware
 /// query or the reset. Repeated, because the emulated kernel is not always quick enough to cut them
 /// off.
-GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
+CHECK_TEST(test_interrupted_opening_cuts_nothing_off)
 {
   for (const Transport transport : kTransports)
     for (const bool is_known : { false, true })
@@ -320,23 +314,5 @@ GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
         }
       }
 }
-GST_END_TEST;
 
-static Suite *
-firmata_usb_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("firmata_usb");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_garbled_replies);
-  tcase_add_test(tests, test_replies_in_short_packets);
-  tcase_add_test(tests, test_replies_always_cut_short);
-  tcase_add_test(tests, test_noise_while_playing);
-  tcase_add_test(tests, test_motors_stand_when_released);
-  tcase_add_test(tests, test_refused_boards_stand_when_released);
-  tcase_add_test(tests, test_interrupted_opening_cuts_nothing_off);
-  return suite;
-}
-
-GST_CHECK_MAIN(firmata_usb)
+CHECK_MAIN_AFTER(firmata_usb, -1, begin_emulation())

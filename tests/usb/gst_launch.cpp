@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace usb_test;
@@ -19,7 +19,7 @@ const std::vector<std::string> kAlone{ "driver=firmata", "guardian=false" };
 } // namespace
 
 /// Ctrl-C, with and without EOS first, over every transport: zeros, then a reset.
-GST_START_TEST(test_interrupted)
+CHECK_TEST(test_interrupted)
 {
   for (const Transport transport : kTransports)
     for (const bool seat : { false, true })
@@ -34,11 +34,10 @@ GST_START_TEST(test_interrupted)
         fail_unless(chair.wait_for_hosts_end());
       }
 }
-GST_END_TEST;
 
 /// SIGTERM, for which gst-launch-1.0 has no handler: the same. The kernel's driver gets the board
 /// back, and the process ends by the signal.
-GST_START_TEST(test_terminated)
+CHECK_TEST(test_terminated)
 {
   for (const Transport transport : kTransports) {
     Chair chair(false, transport);
@@ -52,11 +51,10 @@ GST_START_TEST(test_terminated)
     fail_unless(chair.board.conversation().back() == "return 0");
   }
 }
-GST_END_TEST;
 
 /// SIGTERM while a silent board is being identified: motors off, and the kernel's driver gets the
 /// board back.
-GST_START_TEST(test_terminated_while_opening)
+CHECK_TEST(test_terminated_while_opening)
 {
   for (const Transport transport : kTransports) {
     Chair chair(false, transport);
@@ -78,11 +76,10 @@ GST_START_TEST(test_terminated_while_opening)
     fail_unless(chair.was_told_to_stand());
   }
 }
-GST_END_TEST;
 
 /// After SIGKILL without a guardian nothing is sent. With StandardFirmata the motors stay on until
 /// the next play, which begins with a reset.
-GST_START_TEST(test_killed)
+CHECK_TEST(test_killed)
 {
   Chair chair;
   Launch launch({}, kAlone);
@@ -107,11 +104,10 @@ GST_START_TEST(test_killed)
   fail_unless(std::find(bytes.begin() + static_cast<std::ptrdiff_t>(before), first_level, 0xff)
               != first_level);
 }
-GST_END_TEST;
 
 /// --release-boards after SIGKILL: motors off, and the kernel's driver gets the board back. A board
 /// that was not left open is not touched.
-GST_START_TEST(test_killed_and_released)
+CHECK_TEST(test_killed_and_released)
 {
   const std::string program = g_getenv("VISUOTACTILE_PLAY") ? g_getenv("VISUOTACTILE_PLAY") : "";
   if (program.empty())
@@ -143,10 +139,9 @@ GST_START_TEST(test_killed_and_released)
     fail_unless(chair.board.conversation().size() == before);
   }
 }
-GST_END_TEST;
 
 /// The seat sketch's watchdog turns motors off 250 ms after the last byte.
-GST_START_TEST(test_killed_with_watchdog)
+CHECK_TEST(test_killed_with_watchdog)
 {
   for (const Transport transport : kTransports) {
     Chair chair(true, transport);
@@ -160,22 +155,5 @@ GST_START_TEST(test_killed_with_watchdog)
     fail_unless(chair.firmware->keepalives() > 0);
   }
 }
-GST_END_TEST;
 
-static Suite *
-gst_launch_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("gst_launch");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_interrupted);
-  tcase_add_test(tests, test_terminated);
-  tcase_add_test(tests, test_terminated_while_opening);
-  tcase_add_test(tests, test_killed);
-  tcase_add_test(tests, test_killed_and_released);
-  tcase_add_test(tests, test_killed_with_watchdog);
-  return suite;
-}
-
-GST_CHECK_MAIN(gst_launch)
+CHECK_MAIN_AFTER(gst_launch, -1, begin_emulation())

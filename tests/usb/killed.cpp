@@ -12,9 +12,9 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/contains.h"
 #include "support/temporary_file.h"
-#include <gst/check/gstcheck.h>
 
 using namespace usb_test;
 
@@ -25,7 +25,7 @@ constexpr const char *kMayBeOn = "its motors may still be on: switch their suppl
 } // namespace
 
 /// The guardian stops the motors, and the kernel's driver gets the board back.
-GST_START_TEST(test_killed)
+CHECK_TEST(test_killed)
 {
   for (const Transport transport : kTransports)
     for (const int signal : { SIGKILL, SIGSEGV }) {
@@ -41,10 +41,9 @@ GST_START_TEST(test_killed)
       fail_unless(chair.was_told_to_stand());
     }
 }
-GST_END_TEST;
 
 /// gst-launch-1.0 -e drops its handler at the first Ctrl-C, and plays what is queued.
-GST_START_TEST(test_interrupted_twice)
+CHECK_TEST(test_interrupted_twice)
 {
   for (const int second : { SIGINT, SIGTERM, SIGHUP }) {
     Chair chair;
@@ -56,10 +55,9 @@ GST_START_TEST(test_interrupted_twice)
     fail_unless(chair.wait_for_return());
   }
 }
-GST_END_TEST;
 
 /// A player that stops the motors itself has no guardian any more: the board is not touched again.
-GST_START_TEST(test_ended)
+CHECK_TEST(test_ended)
 {
   Chair chair;
   Launch launch;
@@ -79,11 +77,10 @@ GST_START_TEST(test_ended)
       std::ranges::count(said.begin() + static_cast<std::ptrdiff_t>(before), said.end(), "claim 0"),
       1);
 }
-GST_END_TEST;
 
 /// A board that takes nothing: the player says so when it ends, and the guardian goes on trying.
 /// DTR resets a board that is known to be reset by it.
-GST_START_TEST(test_takes_nothing)
+CHECK_TEST(test_takes_nothing)
 {
   for (const bool has_guardian : { true, false }) {
     Chair chair;
@@ -100,11 +97,10 @@ GST_START_TEST(test_takes_nothing)
     fail_unless(chair.wait_for_return());
   }
 }
-GST_END_TEST;
 
 /// The guardian's words, which go to the system's log, and to its standard error where it has one:
 /// the player may have ended in any way, and the board may have been unplugged.
-GST_START_TEST(test_guardians_words)
+CHECK_TEST(test_guardians_words)
 {
   Chair chair;
   Program guardian({ g_getenv("VISUOTACTILE_GUARDIAN"), "1-1" });
@@ -117,10 +113,9 @@ GST_START_TEST(test_guardians_words)
   assert_contains(guardian.errors(), { "the player has ended without stopping its tactor board",
                                        "was unplugged; if it has a supply of its own" });
 }
-GST_END_TEST;
 
 /// The same without a line for resets: the guardian's zeros come when the board takes them.
-GST_START_TEST(test_takes_nothing_for_a_while)
+CHECK_TEST(test_takes_nothing_for_a_while)
 {
   Chair chair;
   Launch launch;
@@ -134,11 +129,10 @@ GST_START_TEST(test_takes_nothing_for_a_while)
   fail_unless(chair.wait_for_zero());
   fail_unless(chair.wait_for_return());
 }
-GST_END_TEST;
 
 /// Transfers that fail once, each time for another reason: the zeros are sent again, and nothing
 /// has to be said.
-GST_START_TEST(test_fails_once)
+CHECK_TEST(test_fails_once)
 {
   for (const int error : { EPROTO, EPIPE, ESHUTDOWN }) {
     Chair chair;
@@ -151,10 +145,9 @@ GST_START_TEST(test_fails_once)
     assert_text(launch.errors(), "");
   }
 }
-GST_END_TEST;
 
 /// An answer to the zeros that is lost: they are sent again.
-GST_START_TEST(test_unanswered_once)
+CHECK_TEST(test_unanswered_once)
 {
   Chair chair;
   bool is_asked = false;
@@ -169,10 +162,9 @@ GST_START_TEST(test_unanswered_once)
   fail_if(chair.any_motor_on());
   assert_text(launch.errors(), "");
 }
-GST_END_TEST;
 
 /// visuotactile-play ends with another status if motors may still be on.
-GST_START_TEST(test_status)
+CHECK_TEST(test_status)
 {
   const char *play = g_getenv("VISUOTACTILE_PLAY");
   if (!play)
@@ -196,10 +188,9 @@ GST_START_TEST(test_status)
     fail_unless(chair.wait_for_return());
   }
 }
-GST_END_TEST;
 
 /// As a closed terminal does: SIGHUP by the shell, then by the kernel.
-GST_START_TEST(test_player_is_hung_up_twice)
+CHECK_TEST(test_player_is_hung_up_twice)
 {
   const char *play = g_getenv("VISUOTACTILE_PLAY");
   if (!play)
@@ -219,26 +210,5 @@ GST_START_TEST(test_player_is_hung_up_twice)
     fail_unless(chair.wait_for_return());
   }
 }
-GST_END_TEST;
 
-static Suite *
-killed_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("killed");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_killed);
-  tcase_add_test(tests, test_interrupted_twice);
-  tcase_add_test(tests, test_ended);
-  tcase_add_test(tests, test_takes_nothing);
-  tcase_add_test(tests, test_guardians_words);
-  tcase_add_test(tests, test_takes_nothing_for_a_while);
-  tcase_add_test(tests, test_fails_once);
-  tcase_add_test(tests, test_unanswered_once);
-  tcase_add_test(tests, test_status);
-  tcase_add_test(tests, test_player_is_hung_up_twice);
-  return suite;
-}
-
-GST_CHECK_MAIN(killed)
+CHECK_MAIN_AFTER(killed, -1, begin_emulation())

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
 #include "support/contains.h"
 #include "support/unwrap.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace usb_test;
@@ -66,7 +66,7 @@ constexpr std::uint16_t kVendors[]
 } // namespace
 
 /// Of no vendor, at no play.
-GST_START_TEST(test_auto_touches_none)
+CHECK_TEST(test_auto_touches_none)
 {
   std::vector<BoardDescription> strangers{ { .transport = Transport::ftdi },
                                            { .transport = Transport::ch340 } };
@@ -88,10 +88,9 @@ GST_START_TEST(test_auto_touches_none)
     fail_unless(is_untouched(printer), "%04x", description.vendor.value_or(0));
   }
 }
-GST_END_TEST;
 
 /// A chair that has answered before is felt, and the stranger before it in the list never asked.
-GST_START_TEST(test_a_chair_beside_it)
+CHECK_TEST(test_a_chair_beside_it)
 {
   for (const Transport transport : kTransports) {
     EmulatedUsb usb;
@@ -107,11 +106,10 @@ GST_START_TEST(test_a_chair_beside_it)
     fail_unless(is_untouched(printer));
   }
 }
-GST_END_TEST;
 
 /// driver=firmata says that there is a board: the only device is asked, without DTR and RTS, and
 /// not again if it is none.
-GST_START_TEST(test_the_only_stranger)
+CHECK_TEST(test_the_only_stranger)
 {
   for (const Transport transport : kTransports) {
     EmulatedUsb usb;
@@ -129,10 +127,9 @@ GST_START_TEST(test_the_only_stranger)
     fail_unless(was_given_dtr(printer));
   }
 }
-GST_END_TEST;
 
 /// A board that answers is known from then on, and then it is reset, too.
-GST_START_TEST(test_a_stranger_that_answers)
+CHECK_TEST(test_a_stranger_that_answers)
 {
   for (const Transport transport : kTransports) {
     EmulatedUsb usb;
@@ -144,10 +141,9 @@ GST_START_TEST(test_a_stranger_that_answers)
     fail_unless(was_given_dtr(board));
   }
 }
-GST_END_TEST;
 
 /// A device that tells nothing of itself is named by its place and ids.
-GST_START_TEST(test_no_strings)
+CHECK_TEST(test_no_strings)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, { .serial = "", .manufacturer = "", .product = "", .is_known = false });
@@ -161,21 +157,5 @@ GST_START_TEST(test_no_strings)
   assert_contains(refusal_of(make_firmata()->open({ .device = "1-1" })).text,
                   { "USB device 2341:0042 at USB 1-1 is in use" });
 }
-GST_END_TEST;
 
-static Suite *
-strangers_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("strangers");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_auto_touches_none);
-  tcase_add_test(tests, test_a_chair_beside_it);
-  tcase_add_test(tests, test_the_only_stranger);
-  tcase_add_test(tests, test_a_stranger_that_answers);
-  tcase_add_test(tests, test_no_strings);
-  return suite;
-}
-
-GST_CHECK_MAIN(strangers);
+CHECK_MAIN_AFTER(strangers, -1, begin_emulation())

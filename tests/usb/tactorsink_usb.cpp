@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace usb_test;
@@ -66,7 +66,7 @@ is_part_of(const std::map<int, std::vector<int>> &got,
 
 } // namespace
 
-GST_START_TEST(test_pins_get_what_was_planned)
+CHECK_TEST(test_pins_get_what_was_planned)
 {
   for (const Transport transport : kTransports) {
     bool all = false;
@@ -87,9 +87,8 @@ GST_START_TEST(test_pins_get_what_was_planned)
     fail_unless(all);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stopped_while_motors_are_on)
+CHECK_TEST(test_stopped_while_motors_are_on)
 {
   Mega mega;
   MapStream film(20);
@@ -101,9 +100,8 @@ GST_START_TEST(test_stopped_while_motors_are_on)
   fail_unless(told[told.size() - 2] == 0xff && told.back() == 0xf9);
   fail_unless_equals_int(mega.board.transfers_pending(), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unplugged_and_plugged_in_again)
+CHECK_TEST(test_unplugged_and_plugged_in_again)
 {
   for (const bool udev : { true, false }) {
     Mega mega;
@@ -127,9 +125,8 @@ GST_START_TEST(test_unplugged_and_plugged_in_again)
     fail_unless_equals_int(gone, 1);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unplugged_for_good)
+CHECK_TEST(test_unplugged_for_good)
 {
   Mega mega;
   MapStream film(10);
@@ -139,10 +136,9 @@ GST_START_TEST(test_unplugged_for_good)
   fail_unless(film.wait_for(GST_MESSAGE_EOS));
   fail_unless(film.errors.empty());
 }
-GST_END_TEST;
 
 /// A board that stops accepting data is closed, and reopened when it accepts data again.
-GST_START_TEST(test_stalled)
+CHECK_TEST(test_stalled)
 {
   Mega mega;
   MapStream film(40);
@@ -156,9 +152,8 @@ GST_START_TEST(test_stalled)
   film.stop();
   fail_if(mega.firmware->any_motor_on());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_boards_that_cannot_be_used)
+CHECK_TEST(test_boards_that_cannot_be_used)
 {
   {
     Mega mega;
@@ -176,10 +171,9 @@ GST_START_TEST(test_boards_that_cannot_be_used)
     fail_if(film.wait_for(GST_MESSAGE_EOS));
   }
 }
-GST_END_TEST;
 
 /// Starting does not block on the board, and can be canceled before the board answers.
-GST_START_TEST(test_stopped_while_the_board_is_silent)
+CHECK_TEST(test_stopped_while_the_board_is_silent)
 {
   EmulatedUsb usb;
   EmulatedBoard silent(usb, {});
@@ -190,10 +184,9 @@ GST_START_TEST(test_stopped_while_the_board_is_silent)
   film.stop();
   fail_unless_equals_int(silent.transfers_pending(), 0);
 }
-GST_END_TEST;
 
 /// A board that is refused after it was opened is released like one that played.
-GST_START_TEST(test_refused_with_an_open_board)
+CHECK_TEST(test_refused_with_an_open_board)
 {
   for (const Transport transport : kTransports) {
     Mega mega(transport);
@@ -208,24 +201,5 @@ GST_START_TEST(test_refused_with_an_open_board)
     fail_unless_equals_int(mega.board.cut_off(), 0);
   }
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_usb_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("tactorsink_usb");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_pins_get_what_was_planned);
-  tcase_add_test(tests, test_stopped_while_motors_are_on);
-  tcase_add_test(tests, test_unplugged_and_plugged_in_again);
-  tcase_add_test(tests, test_unplugged_for_good);
-  tcase_add_test(tests, test_stalled);
-  tcase_add_test(tests, test_boards_that_cannot_be_used);
-  tcase_add_test(tests, test_stopped_while_the_board_is_silent);
-  tcase_add_test(tests, test_refused_with_an_open_board);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_usb)
+CHECK_MAIN_AFTER(tactorsink_usb, -1, begin_emulation())

@@ -8,13 +8,13 @@
 #include <thread>
 #include <unistd.h>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
 using namespace usb_test;
 
-GST_START_TEST(test_conversations)
+CHECK_TEST(test_conversations)
 {
   const std::vector<std::string> expected[] = {
     { "claim 0", "claim 1", "21 20 0000 0000 00e10000000008", "21 22 0003 0000", "release 1",
@@ -35,9 +35,8 @@ GST_START_TEST(test_conversations)
     fail_unless(listener.lost().empty());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_list)
+CHECK_TEST(test_list)
 {
   EmulatedUsb usb;
   EmulatedBoard far_away(usb, { .transport = Transport::ch340, .port = "1-10", .serial = "" });
@@ -55,9 +54,8 @@ GST_START_TEST(test_list)
   // Listing opens nothing.
   fail_unless(board.conversation().empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strings_that_are_none)
+CHECK_TEST(test_strings_that_are_none)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, { .serial = "a\x1b[31m\nb\xff\xc0\xaf"
@@ -72,11 +70,10 @@ GST_START_TEST(test_strings_that_are_none)
               == "a" + unfit + "[31m" + unfit + "b" + unfit + unfit + unfit + "c");
   fail_unless(devices[0].name == std::string(126, 'x'));
 }
-GST_END_TEST;
 
 /// Truncated, garbled or false descriptors: the device is left out, or its values are within
 /// bounds.
-GST_START_TEST(test_descriptors_that_lie)
+CHECK_TEST(test_descriptors_that_lie)
 {
   std::mt19937 random(1);
   UsbSerialBus bus;
@@ -107,10 +104,9 @@ GST_START_TEST(test_descriptors_that_lie)
     fail_unless(unwrap(bus.list()).empty());
   }
 }
-GST_END_TEST;
 
 /// FT2232: two lines. The first is number 1.
-GST_START_TEST(test_chip_with_two_lines)
+CHECK_TEST(test_chip_with_two_lines)
 {
   Bytes descriptors = usb_descriptors(Transport::ftdi);
   descriptors[10] = 0x10;
@@ -130,9 +126,8 @@ GST_START_TEST(test_chip_with_two_lines)
                                            "40 01 0202 0001" };
   fail_unless(board.conversation() == expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_boards_that_cannot_be_opened)
+CHECK_TEST(test_boards_that_cannot_be_opened)
 {
   using Kind = DriverError::Kind;
   EmulatedUsb usb;
@@ -169,10 +164,9 @@ GST_START_TEST(test_boards_that_cannot_be_opened)
   fail_unless(refusal_of(bus.open(another, {})).kind == Kind::not_found);
   unwrap(bus.open(device, {}));
 }
-GST_END_TEST;
 
 /// open() of a board that answers no request is interrupted. The timeout would be an hour.
-GST_START_TEST(test_set_up_is_interrupted)
+CHECK_TEST(test_set_up_is_interrupted)
 {
   for (const Transport transport : kTransports) {
     EmulatedUsb usb;
@@ -196,9 +190,8 @@ GST_START_TEST(test_set_up_is_interrupted)
     unwrap(bus.open(device, {}));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_permission_denied)
+CHECK_TEST(test_permission_denied)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, {});
@@ -220,9 +213,8 @@ GST_START_TEST(test_permission_denied)
   fail_unless(what.find("udevadm control --reload") != std::string::npos);
   fail_unless(what.find("Mega 2560") != std::string::npos);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_two_boards)
+CHECK_TEST(test_two_boards)
 {
   EmulatedUsb usb;
   EmulatedBoard first(usb, { .port = "1-1" });
@@ -252,7 +244,6 @@ GST_START_TEST(test_two_boards)
   fail_unless(listeners[1].wait_for_written(2));
   fail_unless(listeners[1].lost().empty());
 }
-GST_END_TEST;
 
 /// A second board is plugged in, and the first is unplugged and plugged in again. False if no event
 /// came.
@@ -293,14 +284,13 @@ is_told(bool udev)
 /// With udevd the bus need not poll often; without it must. On a busy machine, libusb's thread that
 /// listens to the emulated udevd sometimes ends for an unknown reason. Then the next poll finds the
 /// change, or the test is repeated. So this does not prove that udev events arrive.
-GST_START_TEST(test_watch)
+CHECK_TEST(test_watch)
 {
   for (const bool udev : { true, false })
     fail_unless(is_told(udev) || is_told(udev) || is_told(udev));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_watch_ends)
+CHECK_TEST(test_watch_ends)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, {});
@@ -314,27 +304,5 @@ GST_START_TEST(test_watch_ends)
     alive.reset();
   }
 }
-GST_END_TEST;
 
-static Suite *
-usb_serial_bus_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("usb_serial_bus");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_conversations);
-  tcase_add_test(tests, test_list);
-  tcase_add_test(tests, test_strings_that_are_none);
-  tcase_add_test(tests, test_descriptors_that_lie);
-  tcase_add_test(tests, test_chip_with_two_lines);
-  tcase_add_test(tests, test_boards_that_cannot_be_opened);
-  tcase_add_test(tests, test_set_up_is_interrupted);
-  tcase_add_test(tests, test_permission_denied);
-  tcase_add_test(tests, test_two_boards);
-  tcase_add_test(tests, test_watch);
-  tcase_add_test(tests, test_watch_ends);
-  return suite;
-}
-
-GST_CHECK_MAIN(usb_serial_bus)
+CHECK_MAIN_AFTER(usb_serial_bus, -1, begin_emulation())

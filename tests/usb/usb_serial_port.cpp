@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "support/check_tests.h"
 #include "support/realtime.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -31,7 +31,7 @@ struct Plugged
 
 } // namespace
 
-GST_START_TEST(test_bytes_out)
+CHECK_TEST(test_bytes_out)
 {
   for (const Transport transport : kTransports) {
     Plugged plugged({ .transport = transport });
@@ -52,10 +52,9 @@ GST_START_TEST(test_bytes_out)
     fail_unless_equals_int(board.most_writes_pending(), 1);
   }
 }
-GST_END_TEST;
 
 /// The port's thread is real-time where requested and permitted.
-GST_START_TEST(test_realtime)
+CHECK_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
     EmulatedUsb usb;
@@ -75,9 +74,8 @@ GST_START_TEST(test_realtime)
     fail_unless_equals_int(policy, wanted && may_be_realtime() ? SCHED_RR : SCHED_OTHER);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bytes_in)
+CHECK_TEST(test_bytes_in)
 {
   for (const Transport transport : kTransports) {
     Plugged plugged({ .transport = transport });
@@ -97,11 +95,10 @@ GST_START_TEST(test_bytes_in)
     fail_unless(listener.received() == sent);
   }
 }
-GST_END_TEST;
 
 /// Packets shorter than the transport's status bytes, and one longer than the buffer. Other data is
 /// not affected.
-GST_START_TEST(test_odd_packets)
+CHECK_TEST(test_odd_packets)
 {
   for (const Transport transport : kTransports) {
     Plugged plugged({ .transport = transport });
@@ -131,10 +128,9 @@ GST_START_TEST(test_odd_packets)
     fail_unless(listener.lost().empty());
   }
 }
-GST_END_TEST;
 
 /// Each completed write starts the next one.
-GST_START_TEST(test_ten_thousand_writes)
+CHECK_TEST(test_ten_thousand_writes)
 {
   constexpr int kWrites = 10000;
   EmulatedUsb usb;
@@ -170,9 +166,8 @@ GST_START_TEST(test_ten_thousand_writes)
   fail_unless(board.bytes() == sent);
   fail_unless_equals_int(board.most_writes_pending(), 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_write_at_a_time)
+CHECK_TEST(test_one_write_at_a_time)
 {
   Plugged plugged;
   auto &[usb, board, bus, listener, port] = plugged;
@@ -187,10 +182,9 @@ GST_START_TEST(test_one_write_at_a_time)
   const Bytes expected{ 1, 3 };
   fail_unless(board.bytes() == expected);
 }
-GST_END_TEST;
 
 /// Destroying the port ends transfers at any moment.
-GST_START_TEST(test_teardown_at_any_moment)
+CHECK_TEST(test_teardown_at_any_moment)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, { .baud = 57600 });
@@ -210,9 +204,8 @@ GST_START_TEST(test_teardown_at_any_moment)
     fail_unless(listener.lost().empty());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unplugged)
+CHECK_TEST(test_unplugged)
 {
   for (const Transport transport : kTransports)
     for (const bool udev : { true, false }) {
@@ -232,10 +225,9 @@ GST_START_TEST(test_unplugged)
       fail_unless(board.bytes().empty());
     }
 }
-GST_END_TEST;
 
 /// Transfers fail before the hub reports that the board was unplugged.
-GST_START_TEST(test_transfers_that_fail)
+CHECK_TEST(test_transfers_that_fail)
 {
   Plugged plugged;
   auto &[usb, board, bus, listener, port] = plugged;
@@ -246,10 +238,9 @@ GST_START_TEST(test_transfers_that_fail)
   port.reset();
   fail_unless_equals_int(listener.lost().size(), 1);
 }
-GST_END_TEST;
 
 /// A halted endpoint accepts nothing until it is cleared, which the next open() does.
-GST_START_TEST(test_halted)
+CHECK_TEST(test_halted)
 {
   for (const Transport transport : kTransports) {
     Plugged plugged({ .transport = transport });
@@ -262,10 +253,9 @@ GST_START_TEST(test_halted)
     fail_unless(listener.lost()[0].find("refuses") != std::string::npos);
   }
 }
-GST_END_TEST;
 
 /// Motors cause noise on the bus: occasional failed transfers lose no data.
-GST_START_TEST(test_noise)
+CHECK_TEST(test_noise)
 {
   Plugged plugged;
   auto &[usb, board, bus, listener, port] = plugged;
@@ -286,9 +276,8 @@ GST_START_TEST(test_noise)
   fail_unless(listener.received() == sent);
   fail_unless(listener.lost().empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stalled)
+CHECK_TEST(test_stalled)
 {
   Plugged plugged({}, { .write = 30ms });
   auto &[usb, board, bus, listener, port] = plugged;
@@ -302,7 +291,6 @@ GST_START_TEST(test_stalled)
   fail_unless(listener.lost()[0].find("30 ms") != std::string::npos);
   fail_unless_equals_int(listener.written(), 0);
 }
-GST_END_TEST;
 
 namespace {
 
@@ -314,7 +302,7 @@ entries(const char *folder)
 
 } // namespace
 
-GST_START_TEST(test_nothing_is_left_behind)
+CHECK_TEST(test_nothing_is_left_behind)
 {
   EmulatedUsb usb;
   EmulatedBoard board(usb, {});
@@ -340,11 +328,10 @@ GST_START_TEST(test_nothing_is_left_behind)
     }
   }
 }
-GST_END_TEST;
 
 /// When the kernel's driver gets a board back, the chip's buffer is lost. It must be empty then,
 /// however the play ended.
-GST_START_TEST(test_nothing_is_cut_off)
+CHECK_TEST(test_nothing_is_cut_off)
 {
   for (const Transport transport : kTransports)
     for (const bool is_lost : { false, true }) {
@@ -362,30 +349,5 @@ GST_START_TEST(test_nothing_is_cut_off)
       fail_unless(board.bytes() == bytes);
     }
 }
-GST_END_TEST;
 
-static Suite *
-usb_serial_port_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("usb_serial_port");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_bytes_out);
-  tcase_add_test(tests, test_bytes_in);
-  tcase_add_test(tests, test_realtime);
-  tcase_add_test(tests, test_odd_packets);
-  tcase_add_test(tests, test_ten_thousand_writes);
-  tcase_add_test(tests, test_one_write_at_a_time);
-  tcase_add_test(tests, test_teardown_at_any_moment);
-  tcase_add_test(tests, test_unplugged);
-  tcase_add_test(tests, test_transfers_that_fail);
-  tcase_add_test(tests, test_halted);
-  tcase_add_test(tests, test_noise);
-  tcase_add_test(tests, test_stalled);
-  tcase_add_test(tests, test_nothing_is_left_behind);
-  tcase_add_test(tests, test_nothing_is_cut_off);
-  return suite;
-}
-
-GST_CHECK_MAIN(usb_serial_port)
+CHECK_MAIN_AFTER(usb_serial_port, -1, begin_emulation())

@@ -22,7 +22,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace usb_test;
@@ -278,7 +278,7 @@ wait_for_zero(EmulatedBoard &board, const Firmware &firmware, Clock::time_point 
 
 } // namespace
 
-GST_START_TEST(test_ways_out_of_a_play)
+CHECK_TEST(test_ways_out_of_a_play)
 {
   for (const Way &way : kWays) {
     Play play(true);
@@ -292,11 +292,10 @@ GST_START_TEST(test_ways_out_of_a_play)
                   == play.board.received().back().time + kWatchdog);
   }
 }
-GST_END_TEST;
 
 /// With StandardFirmata only the driver stops motors. Bytes that are lost when the kernel gets the
 /// board back are not sent again.
-GST_START_TEST(test_ways_out_without_a_watchdog)
+CHECK_TEST(test_ways_out_without_a_watchdog)
 {
   for (const Way &way : kWays) {
     if (way.is_watchdogs)
@@ -309,10 +308,9 @@ GST_START_TEST(test_ways_out_without_a_watchdog)
     fail_unless_equals_int(play.board.cut_off(), 0);
   }
 }
-GST_END_TEST;
 
 /// Ways to end a process: motors are off before it is gone, or the firmware's watchdog stops them.
-GST_START_TEST(test_ways_out_of_a_process)
+CHECK_TEST(test_ways_out_of_a_process)
 {
   struct Signal
   {
@@ -341,10 +339,9 @@ GST_START_TEST(test_ways_out_of_a_process)
     }
   }
 }
-GST_END_TEST;
 
 /// With StandardFirmata: by the player itself, or by its guardian.
-GST_START_TEST(test_ways_out_of_a_process_without_a_watchdog)
+CHECK_TEST(test_ways_out_of_a_process_without_a_watchdog)
 {
   const auto measure
       = [](const char *name, Program &launch, Chair &chair, const std::function<void()> &take) {
@@ -374,7 +371,6 @@ GST_START_TEST(test_ways_out_of_a_process_without_a_watchdog)
     launch.send(SIGINT);
   });
 }
-GST_END_TEST;
 
 namespace {
 
@@ -396,7 +392,7 @@ constexpr std::array kSignals{
 /// Two signals, one right after the other, without a guardian: motors are at zero before the
 /// process ends, by the first one or, where the kernel delivers that later, the second. All pairs
 /// with WAYS_OUT=all, else each signal with itself and with the next one.
-GST_START_TEST(test_two_signals)
+CHECK_TEST(test_two_signals)
 {
   const bool all = g_strcmp0(g_getenv("WAYS_OUT"), "all") == 0;
   for (std::size_t i = 0; i < kSignals.size(); i++)
@@ -421,7 +417,6 @@ GST_START_TEST(test_two_signals)
       std::fflush(stdout);
     }
 }
-GST_END_TEST;
 
 namespace {
 
@@ -451,7 +446,7 @@ public:
 
 /// A process that is suspended (job control, a debugger, a frozen machine) and resumed: the
 /// firmware's watchdog stops the motors, and cues of the time in between are dropped.
-GST_START_TEST(test_stopped_and_continued)
+CHECK_TEST(test_stopped_and_continued)
 {
   // 0.6 s of 80 % before the suspension, 0.6 s of 60 % during it, and 40 % from 8 s on: the level
   // tells which cue a command belongs to.
@@ -491,24 +486,5 @@ GST_START_TEST(test_stopped_and_continued)
       fail_unless(firmware->changes()[i].duty == 0 || firmware->changes()[i].duty == later);
   });
 }
-GST_END_TEST;
 
-static Suite *
-ways_out_suite(void)
-{
-  begin_emulation();
-  Suite *suite = suite_create("ways_out");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_ways_out_of_a_play);
-  tcase_add_test(tests, test_ways_out_without_a_watchdog);
-  tcase_add_test(tests, test_ways_out_of_a_process);
-  tcase_add_test(tests, test_ways_out_of_a_process_without_a_watchdog);
-  tcase_add_test(tests, test_two_signals);
-  if (g_getenv("WAYS_OUT"))
-    tcase_set_timeout(tests, 1000);
-  tcase_add_test(tests, test_stopped_and_continued);
-  return suite;
-}
-
-GST_CHECK_MAIN(ways_out)
+CHECK_MAIN_AFTER(ways_out, g_getenv("WAYS_OUT") ? 1000 : -1, begin_emulation())

@@ -6,7 +6,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -52,7 +52,7 @@ segment_event()
 
 } // namespace
 
-GST_START_TEST(test_length)
+CHECK_TEST(test_length)
 {
   Passed passed;
   passed.held.hold(caps_event());
@@ -66,10 +66,9 @@ GST_START_TEST(test_length)
   passed.held.drain();
   ck_assert_str_eq(passed.text.c_str(), "caps b segment b b ");
 }
-GST_END_TEST;
 
 /// The pad's peer has got none of what is held, and upstream does not send it again.
-GST_START_TEST(test_a_flush_keeps_what_sticks)
+CHECK_TEST(test_a_flush_keeps_what_sticks)
 {
   Passed passed;
   passed.held.hold(buffer_of(10), 100);
@@ -84,9 +83,8 @@ GST_START_TEST(test_a_flush_keeps_what_sticks)
   passed.held.hold(buffer_of(100), 100); // nothing else counts any more
   ck_assert_str_eq(passed.text.c_str(), "stream-start caps ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_duration)
+CHECK_TEST(test_no_duration)
 {
   Passed passed;
   passed.held.hold(buffer_of(10), 100);
@@ -95,9 +93,8 @@ GST_START_TEST(test_no_duration)
   passed.held.hold(buffer_of(GST_CLOCK_TIME_NONE), 100);
   ck_assert_str_eq(passed.text.c_str(), "b b b ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_most_events)
+CHECK_TEST(test_most_events)
 {
   Passed passed;
   passed.held.hold(buffer_of(1), GST_SECOND);
@@ -107,9 +104,8 @@ GST_START_TEST(test_most_events)
   passed.held.hold(segment_event());
   ck_assert_str_eq(passed.text.c_str(), "b ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_most)
+CHECK_TEST(test_most)
 {
   Passed passed;
   for (std::size_t i = 0; i < HeldStream::kMost; i++)
@@ -118,20 +114,5 @@ GST_START_TEST(test_most)
   passed.held.hold(buffer_of(1), GST_SECOND);
   ck_assert_uint_eq(passed.text.size(), 2 * (HeldStream::kMost + 1));
 }
-GST_END_TEST;
 
-static Suite *
-heldstream_suite(void)
-{
-  Suite *suite = suite_create("heldstream");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_length);
-  tcase_add_test(cases, test_a_flush_keeps_what_sticks);
-  tcase_add_test(cases, test_no_duration);
-  tcase_add_test(cases, test_most);
-  tcase_add_test(cases, test_most_events);
-  return suite;
-}
-
-GST_CHECK_MAIN(heldstream);
+CHECK_MAIN(heldstream)

@@ -3,7 +3,7 @@
 // Inherited properties: no element hides a property of its base class.
 #include <initializer_list>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/gst.h>
 
 namespace {
@@ -30,7 +30,7 @@ check_properties(GType type)
 
 } // namespace
 
-GST_START_TEST(test_nothing_inherited_is_hidden)
+CHECK_TEST(test_nothing_inherited_is_hidden)
 {
   guint checked = 0;
   for (const gchar *plugin : kPlugins) {
@@ -48,10 +48,9 @@ GST_START_TEST(test_nothing_inherited_is_hidden)
   }
   fail_unless(checked >= 7, "of %u elements", checked);
 }
-GST_END_TEST;
 
 /// tactorsink's `stats` are those of any base sink.
-GST_START_TEST(test_tactorsink_has_a_sinks_stats)
+CHECK_TEST(test_tactorsink_has_a_sinks_stats)
 {
   g_autoptr(GstElement) sink
       = GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
@@ -63,17 +62,5 @@ GST_START_TEST(test_tactorsink_has_a_sinks_stats)
   for (const gchar *field : { "rendered", "dropped" })
     fail_unless(gst_structure_has_field_typed(stats, field, G_TYPE_UINT64), "%s", field);
 }
-GST_END_TEST;
 
-static Suite *
-inherited_properties_suite()
-{
-  Suite *s = suite_create("inherited_properties");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(s, cases);
-  tcase_add_test(cases, test_nothing_inherited_is_hidden);
-  tcase_add_test(cases, test_tactorsink_has_a_sinks_stats);
-  return s;
-}
-
-GST_CHECK_MAIN(inherited_properties);
+CHECK_MAIN(inherited_properties)

@@ -11,7 +11,7 @@
 #include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -157,7 +157,7 @@ constexpr const char *kElements[] = {
 
 } // namespace
 
-GST_START_TEST(test_elements)
+CHECK_LOOP_TEST(test_elements, 0, std::size(kElements))
 {
   const char *name = kElements[__i__];
   GstHarness *h = gst_harness_new_parse(name);
@@ -167,10 +167,9 @@ GST_START_TEST(test_elements)
   gst_buffer_unref(out);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 /// Scaled, a picture keeps its map on each version. With borders, 1.28 says where the picture is.
-GST_START_TEST(test_scalers)
+CHECK_TEST(test_scalers)
 {
   for (const char *scaled : { "width=48,height=48", "width=120,height=90,pixel-aspect-ratio=3/4",
                               "width=288,height=96,pixel-aspect-ratio=1/1" }) {
@@ -188,9 +187,8 @@ GST_START_TEST(test_scalers)
     gst_harness_teardown(h);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_compositor)
+CHECK_TEST(test_compositor)
 {
   GstElement *compositor = gst_element_factory_make("compositor", nullptr);
   gst_util_set_object_arg(G_OBJECT(compositor), "background", "black");
@@ -204,10 +202,9 @@ GST_START_TEST(test_compositor)
   gst_harness_teardown(h);
   gst_object_unref(compositor);
 }
-GST_END_TEST;
 
 /// What no element moves stays.
-GST_START_TEST(test_kept)
+CHECK_TEST(test_kept)
 {
   for (const char *kept : { "queue", "identity",
                             "videoconvert ! video/x-raw,format=RGB ! videoconvert ! "
@@ -222,19 +219,5 @@ GST_START_TEST(test_kept)
     gst_harness_teardown(h);
   }
 }
-GST_END_TEST;
 
-static Suite *
-moved_maps_suite(void)
-{
-  Suite *suite = suite_create("moved_maps");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_loop_test(tests, test_elements, 0, static_cast<int>(std::size(kElements)));
-  tcase_add_test(tests, test_scalers);
-  tcase_add_test(tests, test_compositor);
-  tcase_add_test(tests, test_kept);
-  return suite;
-}
-
-GST_CHECK_MAIN(moved_maps)
+CHECK_MAIN(moved_maps)

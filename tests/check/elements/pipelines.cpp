@@ -16,6 +16,8 @@
 #include "trace.h"
 #include <gst/base/gstbasesink.h>
 
+#include "support/check_tests.h"
+
 using std::chrono::milliseconds;
 using tactor::IssuedCommand;
 using tactor::Time;
@@ -174,7 +176,7 @@ assert_effects_within(const std::vector<IssuedCommand> &lines, Time from, Time t
 
 } // namespace
 
-GST_START_TEST(test_to_the_end)
+CHECK_TEST(test_to_the_end)
 {
   Player player(kSource + "num-buffers=60" + kCaps + "! saliencytactile" + kBranches);
   change_state(player.pipeline, GST_STATE_PLAYING);
@@ -187,9 +189,8 @@ GST_START_TEST(test_to_the_end)
   assert_effects_within(lines, milliseconds(1000), milliseconds(2000));
   fail_unless(lines.size() <= commands); // some change nothing
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pause_and_play)
+CHECK_TEST(test_pause_and_play)
 {
   Player player(kFilm);
   change_state(player.pipeline, GST_STATE_PAUSED);
@@ -202,7 +203,6 @@ GST_START_TEST(test_pause_and_play)
   }
   player.final_trace();
 }
-GST_END_TEST;
 
 /// Half a second of the film at a rate. Running time is film time divided by the rate, and the
 /// number of frames stays the same.
@@ -222,15 +222,14 @@ check_rate(double rate)
   fail_unless(lines.back().command.effect >= end - Time(10));
 }
 
-GST_START_TEST(test_rates)
+CHECK_TEST(test_rates)
 {
   check_rate(0.5);
   check_rate(2.0);
   check_rate(-1.0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flushing_seeks)
+CHECK_TEST(test_flushing_seeks)
 {
   Player player(kFilm);
   change_state(player.pipeline, GST_STATE_PAUSED);
@@ -258,10 +257,9 @@ GST_START_TEST(test_flushing_seeks)
   player.wait_for_commands(2);
   player.final_trace();
 }
-GST_END_TEST;
 
 /// Running time continues, and so do the effects.
-GST_START_TEST(test_seeks_without_flush)
+CHECK_TEST(test_seeks_without_flush)
 {
   Player player(kFilm);
   change_state(player.pipeline, GST_STATE_PAUSED);
@@ -276,9 +274,8 @@ GST_START_TEST(test_seeks_without_flush)
   player.wait_for_eos();
   player.final_trace();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_null_while_playing)
+CHECK_TEST(test_null_while_playing)
 {
   Player player(kFilm);
   for (const GstState rest : { GST_STATE_READY, GST_STATE_NULL }) {
@@ -290,7 +287,6 @@ GST_START_TEST(test_null_while_playing)
   }
   player.final_trace();
 }
-GST_END_TEST;
 
 /// All sinks have the pipeline's latency. Only this one has a render-delay.
 static void
@@ -319,15 +315,14 @@ assert_latencies(Player &player, bool live)
   ck_assert_uint_eq(gst_base_sink_get_latency(tactors), min);
 }
 
-GST_START_TEST(test_film_waits_for_motors)
+CHECK_TEST(test_film_waits_for_motors)
 {
   Player player(kFilm);
   change_state(player.pipeline, GST_STATE_PLAYING);
   assert_latencies(player, false);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_live)
+CHECK_TEST(test_live)
 {
   Player player(kSource + "is-live=true" + kCaps + "! saliencytactile" + kBranches);
   change_state(player.pipeline, GST_STATE_PLAYING);
@@ -341,9 +336,8 @@ GST_START_TEST(test_live)
   player.wait_for_eos();
   player.final_trace();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_error_upstream)
+CHECK_TEST(test_error_upstream)
 {
   Player player(kSource + kCaps + "! identity error-after=36 ! saliencytactile" + kBranches);
   player.errors_expected = 2; // from identity, and from the source as its data flow nowhere
@@ -352,11 +346,10 @@ GST_START_TEST(test_error_upstream)
   player.wait_for_commands(1); // earlier maps are still played
   player.final_trace();
 }
-GST_END_TEST;
 
 /// The frames' size and the grid change within a stream: motors of the old grid stop, those of the
 /// new one play.
-GST_START_TEST(test_caps_change)
+CHECK_TEST(test_caps_change)
 {
   Player player("tactiletestsrc num-buffers=45" + kCaps
                 + "! saliencytactile rows=1 columns=12 ! concat name=c "
@@ -382,9 +375,8 @@ GST_START_TEST(test_caps_change)
   }
   fail_unless(old_grid && new_grid);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unlinked_pads)
+CHECK_TEST(test_unlinked_pads)
 {
   const std::string source
       = kSource + "num-buffers=40" + kCaps + "! saliencytactile ! tactileextractor name=x ";
@@ -398,17 +390,15 @@ GST_START_TEST(test_unlinked_pads)
   tactors_only.wait_for_eos();
   tactors_only.final_trace();
 }
-GST_END_TEST;
 
 /// Tactors at the end of the video branch, which take frames with metas.
-GST_START_TEST(test_without_extractor)
+CHECK_TEST(test_without_extractor)
 {
   Player player(kSource + "num-buffers=45" + kCaps + "! saliencytactile" + kQueue + kTactors);
   change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   assert_effects_within(player.final_trace(), milliseconds(1000), milliseconds(1500));
 }
-GST_END_TEST;
 
 static bool
 have_elements(const std::vector<const char *> &names)
@@ -425,7 +415,7 @@ have_elements(const std::vector<const char *> &names)
 }
 
 /// The film passes through a container, and its maps through network packets.
-GST_START_TEST(test_muxed_and_payloaded)
+CHECK_TEST(test_muxed_and_payloaded)
 {
   if (!have_elements({ "matroskamux", "matroskademux", "rtpgstpay", "rtpgstdepay" }))
     return;
@@ -439,10 +429,9 @@ GST_START_TEST(test_muxed_and_payloaded)
   ck_assert_uint_eq(player.rendered(), 60);
   assert_effects_within(player.final_trace(), milliseconds(950), milliseconds(2050));
 }
-GST_END_TEST;
 
 /// Two seconds of a street film, if available.
-GST_START_TEST(test_clip)
+CHECK_TEST(test_clip)
 {
   const char *folder = std::getenv("TEST_CLIPS");
   const std::string clip = std::string(folder ? folder : "") + "/car-detection.mp4";
@@ -459,29 +448,5 @@ GST_START_TEST(test_clip)
   fail_unless(player.rendered() > 10);
   assert_effects_within(player.final_trace(), Time(0), milliseconds(2100));
 }
-GST_END_TEST;
 
-static Suite *
-pipelines_suite(void)
-{
-  Suite *suite = suite_create("pipelines");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_to_the_end);
-  tcase_add_test(cases, test_pause_and_play);
-  tcase_add_test(cases, test_rates);
-  tcase_add_test(cases, test_flushing_seeks);
-  tcase_add_test(cases, test_seeks_without_flush);
-  tcase_add_test(cases, test_null_while_playing);
-  tcase_add_test(cases, test_film_waits_for_motors);
-  tcase_add_test(cases, test_live);
-  tcase_add_test(cases, test_error_upstream);
-  tcase_add_test(cases, test_caps_change);
-  tcase_add_test(cases, test_unlinked_pads);
-  tcase_add_test(cases, test_without_extractor);
-  tcase_add_test(cases, test_muxed_and_payloaded);
-  tcase_add_test(cases, test_clip);
-  return suite;
-}
-
-GST_CHECK_MAIN(pipelines);
+CHECK_MAIN(pipelines)

@@ -20,6 +20,8 @@
 #include <gst/base/gstbasesink.h>
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 using tactor::IssuedCommand;
 using tactor::Time;
 
@@ -254,20 +256,18 @@ check_player(const char *playbin)
 
 } // namespace
 
-GST_START_TEST(test_playbin)
+CHECK_TEST(test_playbin)
 {
   check_player("playbin");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_playbin3)
+CHECK_TEST(test_playbin3)
 {
   check_player("playbin3");
 }
-GST_END_TEST;
 
 /// The analysis as the player's video-filter, with any video sink.
-GST_START_TEST(test_video_filter)
+CHECK_TEST(test_video_filter)
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path);
@@ -292,18 +292,5 @@ GST_START_TEST(test_video_filter)
     gst_object_unref(pipeline);
   }
 }
-GST_END_TEST;
 
-static Suite *
-players_suite(void)
-{
-  Suite *suite = suite_create("players");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_playbin);
-  tcase_add_test(cases, test_playbin3);
-  tcase_add_test(cases, test_video_filter);
-  return suite;
-}
-
-GST_CHECK_MAIN(players);
+CHECK_MAIN(players)

@@ -16,6 +16,8 @@
 #include "support/stream_watch.h"
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
@@ -46,7 +48,7 @@ on_element(GstBin *, GstBin *, GstElement *element, StreamWatch *watch)
 } // namespace
 
 /// With the decoder and with the sink, in playbin and playbin3.
-GST_START_TEST(test_seeks)
+CHECK_LOOP_TEST(test_seeks, 0, 4)
 {
   const bool decodes = __i__ / 2 != 0;
   const TemporaryFile film;
@@ -88,16 +90,5 @@ GST_START_TEST(test_seeks)
   gst_object_unref(player);
   rank_decoder("visuotactiledecoder", GST_RANK_NONE);
 }
-GST_END_TEST;
 
-static Suite *
-players_seeks_suite(void)
-{
-  Suite *suite = suite_create("players_seeks");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_seeks, 0, 4);
-  return suite;
-}
-
-GST_CHECK_MAIN(players_seeks);
+CHECK_MAIN(players_seeks)

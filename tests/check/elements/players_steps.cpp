@@ -14,6 +14,8 @@
 #include "support/start_player.h"
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr gint64 kFrame = 40 * GST_MSECOND;
@@ -130,7 +132,7 @@ seek_and_step(const char *playbin, const std::string &film, GstElement *sink, Gs
 
 } // namespace
 
-GST_START_TEST(test_as_with_gstreamers_own_sink)
+CHECK_LOOP_TEST(test_as_with_gstreamers_own_sink, 0, kContainers.size() * kPlayers.size())
 {
   const Container &container = kContainers[static_cast<std::size_t>(__i__) % kContainers.size()];
   const char *playbin = kPlayers[static_cast<std::size_t>(__i__) / kContainers.size()];
@@ -160,17 +162,5 @@ GST_START_TEST(test_as_with_gstreamers_own_sink)
   }
   fail_unless(outcome == expected);
 }
-GST_END_TEST;
 
-static Suite *
-players_steps_suite(void)
-{
-  Suite *suite = suite_create("players_steps");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_as_with_gstreamers_own_sink, 0,
-                      static_cast<int>(kContainers.size() * kPlayers.size()));
-  return suite;
-}
-
-GST_CHECK_MAIN(players_steps);
+CHECK_MAIN(players_steps)

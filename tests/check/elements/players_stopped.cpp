@@ -14,6 +14,8 @@
 #include "support/played_film.h"
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A pipeline whose lock is held, as playbin's is while it changes its state. It has no thread of
@@ -140,7 +142,7 @@ private:
 
 } // namespace
 
-GST_START_TEST(test_nothing_reaches_the_top)
+CHECK_LOOP_TEST(test_nothing_reaches_the_top, 0, std::size(kLines))
 {
   g_autoptr(GError) error = nullptr;
   GstElement *film = gst_parse_bin_from_description(kLines[__i__], FALSE, &error);
@@ -155,7 +157,6 @@ GST_START_TEST(test_nothing_reaches_the_top)
   ck_assert_int_eq(reached, 0);
   gst_object_unref(top);
 }
-GST_END_TEST;
 
 /// The film is stopped after each number of messages that an opening gives. Not in playbin3: that
 /// of GStreamer 1.22 now and then freezes or crashes in its parsers, also without the chair.
@@ -180,7 +181,7 @@ make_player(const std::string &film, const char *sink)
   return player;
 }
 
-GST_START_TEST(test_stopped_while_the_decoder_opens)
+CHECK_TEST(test_stopped_while_the_decoder_opens)
 {
   const TemporaryFile film;
   make_film(film.path, 30);
@@ -188,9 +189,8 @@ GST_START_TEST(test_stopped_while_the_decoder_opens)
   stop_openings([&] { return make_player(film.path, "fakesink"); });
   rank_decoder("visuotactiledecoder", GST_RANK_NONE);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stopped_while_the_sink_opens)
+CHECK_TEST(test_stopped_while_the_sink_opens)
 {
   const TemporaryFile film;
   make_film(film.path, 30);
@@ -205,18 +205,5 @@ GST_START_TEST(test_stopped_while_the_sink_opens)
     return player;
   });
 }
-GST_END_TEST;
 
-static Suite *
-players_stopped_suite(void)
-{
-  Suite *suite = suite_create("players_stopped");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_nothing_reaches_the_top, 0, std::size(kLines));
-  tcase_add_test(cases, test_stopped_while_the_decoder_opens);
-  tcase_add_test(cases, test_stopped_while_the_sink_opens);
-  return suite;
-}
-
-GST_CHECK_MAIN(players_stopped);
+CHECK_MAIN(players_stopped)

@@ -12,6 +12,8 @@
 
 #include <gst/check/gsttestclock.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 #define FILM "tactiletestsrc num-buffers=50 ! video/x-raw,width=64,height=48 ! "
@@ -107,45 +109,41 @@ assert_told(Paused &film, const char *where)
 } // namespace
 
 /// The chair has its map, the picture waits.
-GST_START_TEST(test_extractor)
+CHECK_TEST(test_extractor)
 {
   Paused film(FILM "tactileextractor name=split split.src ! fakesink split.tactile ! " CHAIR);
   film.wait_for("chair");
   assert_told(film, "'split'");
 }
-GST_END_TEST;
 
 /// The picture has its frame, the chair waits. One branch is in a bin.
-GST_START_TEST(test_tee)
+CHECK_TEST(test_tee)
 {
   Paused film(FILM "tee name=split split. ! bin.( name=picture fakesink name=screen ) "
                    "split. ! identity ! " CHAIR);
   film.wait_for("screen");
   assert_told(film, "'split'");
 }
-GST_END_TEST;
 
 /// The queue is before the fork, so the branches share its thread.
-GST_START_TEST(test_queue_before_the_fork)
+CHECK_TEST(test_queue_before_the_fork)
 {
   Paused film(FILM "queue ! tee name=split split. ! fakesink name=screen split. ! " CHAIR);
   film.wait_for("screen");
   assert_told(film, "'split'");
 }
-GST_END_TEST;
 
 /// One of two queues is missing, and the other one does not help.
-GST_START_TEST(test_one_queue)
+CHECK_TEST(test_one_queue)
 {
   Paused film(FILM
               "tactileextractor name=split split.src ! queue ! fakesink split.tactile ! " CHAIR);
   film.wait_for("chair");
   assert_told(film, "'split'");
 }
-GST_END_TEST;
 
 /// All sinks have prerolled: the user pauses, for any time.
-GST_START_TEST(test_pause)
+CHECK_TEST(test_pause)
 {
   for (const char *line : {
            FILM "tactileextractor name=split split.src ! queue ! fakesink split.tactile ! queue "
@@ -158,10 +156,9 @@ GST_START_TEST(test_pause)
     assert_text(film.seconds(5), "");
   }
 }
-GST_END_TEST;
 
 /// Slow sources, before the fork or elsewhere.
-GST_START_TEST(test_slow_source)
+CHECK_TEST(test_slow_source)
 {
   Paused film("appsrc name=source ! tee name=split split. ! fakesink split. ! " CHAIR);
   film.wait_for_source();
@@ -172,10 +169,9 @@ GST_START_TEST(test_slow_source)
   sound.wait_for("chair");
   assert_text(sound.seconds(5), "");
 }
-GST_END_TEST;
 
 /// A sink is freed by its owner's unref, though the clock's thread has yet to free the watch.
-GST_START_TEST(test_watch_holds_no_sink)
+CHECK_TEST(test_watch_holds_no_sink)
 {
   GstClock *clock = gst_test_clock_new();
   gst_system_clock_set_default(clock);
@@ -194,22 +190,5 @@ GST_START_TEST(test_watch_holds_no_sink)
   gst_system_clock_set_default(nullptr);
   gst_object_unref(clock);
 }
-GST_END_TEST;
 
-static Suite *
-queuewatch_suite(void)
-{
-  Suite *suite = suite_create("queuewatch");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_extractor);
-  tcase_add_test(cases, test_tee);
-  tcase_add_test(cases, test_queue_before_the_fork);
-  tcase_add_test(cases, test_one_queue);
-  tcase_add_test(cases, test_pause);
-  tcase_add_test(cases, test_slow_source);
-  tcase_add_test(cases, test_watch_holds_no_sink);
-  return suite;
-}
-
-GST_CHECK_MAIN(queuewatch)
+CHECK_MAIN(queuewatch)

@@ -7,6 +7,8 @@
 
 #include "saliencytactile_rig.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 const char *const kFormats[]
@@ -18,7 +20,7 @@ constexpr const char *kSmall = "video/x-raw,format=I420,width=64,height=48,frame
 } // namespace
 
 /// All formats show the same film: the square's cell is the strongest, and levels are those of RGB.
-GST_START_TEST(test_formats)
+CHECK_LOOP_TEST(test_formats, 0, G_N_ELEMENTS(kFormats))
 {
   const char *format = kFormats[__i__];
   const std::vector<gfloat> reference = Analysis().play(SquareFilm("RGB", 2, 0));
@@ -36,11 +38,10 @@ GST_START_TEST(test_formats)
     fail_unless(std::abs(levels[i] - reference[i]) <= tolerance, "%s: cell %u is %g, in RGB %g",
                 format, static_cast<guint>(i), levels[i], reference[i]);
 }
-GST_END_TEST;
 
 /// A checkerboard of red and cyan averages to the code values of the surrounding gray, but not to
 /// its color. Small frames are converted pixel by pixel anyway.
-GST_START_TEST(test_exact)
+CHECK_TEST(test_exact)
 {
   struct Case
   {
@@ -69,10 +70,9 @@ GST_START_TEST(test_exact)
     fail_unless(!seen || strongest(levels) == 5);
   }
 }
-GST_END_TEST;
 
 /// Each cell is found in both profiles. Rows count from the top, columns from the left.
-GST_START_TEST(test_cells)
+CHECK_TEST(test_cells)
 {
   for (const char *profile : { "tuned", "paper" })
     for (int row = 0; row < 3; row++)
@@ -84,11 +84,10 @@ GST_START_TEST(test_cells)
                     "%s: row %d, column %d", profile, row, column);
       }
 }
-GST_END_TEST;
 
 /// The same GstMemory comes out. Metas and flags of upstream stay, and a buffer that others hold is
 /// not written to.
-GST_START_TEST(test_memory_and_metas_stay)
+CHECK_TEST(test_memory_and_metas_stay)
 {
   Analysis analysis("saliencytactile", kSmall);
   GstBuffer *in = flat_frame(64 * 48 * 3 / 2, 77);
@@ -119,10 +118,9 @@ GST_START_TEST(test_memory_and_metas_stay)
   g_autoptr(GstBuffer) unchanged = analysis.pass(in);
   fail_unless(unchanged == same);
 }
-GST_END_TEST;
 
 /// Downstream's answer to an ALLOCATION query reaches upstream unchanged.
-GST_START_TEST(test_allocation_passes)
+CHECK_TEST(test_allocation_passes)
 {
   Analysis analysis;
   gst_harness_add_propose_allocation_meta(analysis.h, GST_VIDEO_META_API_TYPE, nullptr);
@@ -138,10 +136,9 @@ GST_START_TEST(test_allocation_passes)
   gst_query_unref(query);
   gst_caps_unref(caps);
 }
-GST_END_TEST;
 
 /// Any size from 1 × 1 on, any grid and any rate, with and without timestamps.
-GST_START_TEST(test_sizes_and_streams)
+CHECK_TEST(test_sizes_and_streams)
 {
   const int sizes[][2]
       = { { 1, 1 }, { 1, 7 }, { 7, 1 }, { 2, 2 }, { 3, 3 }, { 17, 33 }, { 101, 75 }, { 640, 2 } };
@@ -168,11 +165,10 @@ GST_START_TEST(test_sizes_and_streams)
         }
       }
 }
-GST_END_TEST;
 
 /// Only the picture inside the crop meta counts: a square in the bottom left corner is in the
 /// middle of its crop.
-GST_START_TEST(test_crop_meta)
+CHECK_TEST(test_crop_meta)
 {
   SquareFilm film("I420", 2, 0);
   for (GstBuffer *&frame : film.frames) {
@@ -192,20 +188,18 @@ GST_START_TEST(test_crop_meta)
   }
   Analysis().play(film);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_interlaced)
+CHECK_TEST(test_interlaced)
 {
   SquareFilm film("I420", 1, 2);
   film.caps = gst_caps_make_writable(film.caps);
   gst_caps_set_simple(film.caps, "interlace-mode", G_TYPE_STRING, "interleaved", nullptr);
   ck_assert_uint_eq(strongest(Analysis().play(film)), 5);
 }
-GST_END_TEST;
 
 /// Fields in separate buffers are half as high as the frame. A saliency map too long for its meta
 /// is omitted, with one warning.
-GST_START_TEST(test_alternate_fields_and_long_sides)
+CHECK_TEST(test_alternate_fields_and_long_sides)
 {
   Analysis analysis;
   analysis.set_caps("video/x-raw(format:Interlaced),format=I420,width=64,height=96,framerate=25/"
@@ -228,10 +222,9 @@ GST_START_TEST(test_alternate_fields_and_long_sides)
   fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
   fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 }
-GST_END_TEST;
 
 /// A buffer smaller than its caps require is passed on with a silent map and one warning.
-GST_START_TEST(test_short_buffer)
+CHECK_TEST(test_short_buffer)
 {
   Analysis analysis("saliencytactile", kSmall);
   for (int i = 0; i < 3; i++) {
@@ -241,7 +234,6 @@ GST_START_TEST(test_short_buffer)
   fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
   fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 }
-GST_END_TEST;
 
 namespace {
 
@@ -296,7 +288,7 @@ centroid_on_picture(GstBuffer *buffer, int width, int height)
 /// The saliency map, resized to the picture, is aligned with it: a spot's centroid is at the spot.
 /// A single one is off by an amount that depends on its place between samples. The mean over one
 /// sample's width is not.
-GST_START_TEST(test_saliency_lies_on_the_picture)
+CHECK_TEST(test_saliency_lies_on_the_picture)
 {
   constexpr int kWide = 640;
   constexpr int kHigh = 360;
@@ -324,26 +316,5 @@ GST_START_TEST(test_saliency_lies_on_the_picture)
               "it lies %.3f, %.3f samples of %g pixels right and down", error.x / sample,
               error.y / sample, sample);
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_formats, 0, G_N_ELEMENTS(kFormats));
-  tcase_add_test(cases, test_exact);
-  tcase_add_test(cases, test_cells);
-  tcase_add_test(cases, test_memory_and_metas_stay);
-  tcase_add_test(cases, test_allocation_passes);
-  tcase_add_test(cases, test_sizes_and_streams);
-  tcase_add_test(cases, test_crop_meta);
-  tcase_add_test(cases, test_interlaced);
-  tcase_add_test(cases, test_alternate_fields_and_long_sides);
-  tcase_add_test(cases, test_short_buffer);
-  tcase_add_test(cases, test_saliency_lies_on_the_picture);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile);
+CHECK_MAIN(saliencytactile)

@@ -13,6 +13,8 @@
 #include <gst/controller/gstdirectcontrolbinding.h>
 #include <gst/controller/gstinterpolationcontrolsource.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// The contrast in ΔE that gives a level, and the level of a contrast, of 0.2 + 0.8 (1 − exp(−(e −
@@ -83,7 +85,7 @@ control(GstElement *element, const char *property,
 
 /// Of two equal squares that of the middle wins more the higher the weight; by default less on
 /// films.
-GST_START_TEST(test_center_weight)
+CHECK_TEST(test_center_weight)
 {
   const Paint two = both(square(53, 120, 24), square(160, 120, 24));
   const auto ratio = [&](const std::string &properties) {
@@ -106,10 +108,9 @@ GST_START_TEST(test_center_weight)
     fail_unless_near(ratio(profile), even * (1 - own * (1 - 0.411112)), 1e-5);
   }
 }
-GST_END_TEST;
 
 /// Sensitivity is a factor on an event's contrast, for its level and for the floor.
-GST_START_TEST(test_sensitivity)
+CHECK_TEST(test_sensitivity)
 {
   const std::string still = "temporal=false ";
   const double floor = 4;
@@ -146,12 +147,11 @@ GST_START_TEST(test_sensitivity)
     fail_unless(level(std::string("profile=paper sensitivity=") + factor)
                 == level("profile=paper"));
 }
-GST_END_TEST;
 
 /// A square that stays is felt until the floor has risen to it, and again after a gap, by the rates
 /// of tactile::DensityControl. Jumps within the stream do not bring it back; a flush, a new segment
 /// and new caps do.
-GST_START_TEST(test_density)
+CHECK_TEST(test_density)
 {
   const double contrast = contrast_of(level("temporal=false"));
   // Off when ½ e^(0.5 · 0.9 t) · 0.8 = 1.
@@ -186,10 +186,9 @@ GST_START_TEST(test_density)
   number = 0; // back in time
   expect_new(false);
 }
-GST_END_TEST;
 
 /// Controllers change the maps of the frames to which they apply.
-GST_START_TEST(test_controllers)
+CHECK_TEST(test_controllers)
 {
   const double contrast = contrast_of(level("temporal=false"));
   Analysis analysis("saliencytactile temporal=false", kCaps);
@@ -217,10 +216,9 @@ GST_START_TEST(test_controllers)
   fail_unless(centered.felt(frame(0, two))[3] > 0);
   fail_unless(centered.felt(frame(30, two))[3] == 0);
 }
-GST_END_TEST;
 
 /// Ranges, defaults, and that all three are controllable while playing.
-GST_START_TEST(test_properties)
+CHECK_TEST(test_properties)
 {
   const struct
   {
@@ -243,20 +241,5 @@ GST_START_TEST(test_properties)
     ck_assert_uint_eq(spec->flags & kFlags, kFlags);
   }
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_controls_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_controls");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_center_weight);
-  tcase_add_test(cases, test_sensitivity);
-  tcase_add_test(cases, test_density);
-  tcase_add_test(cases, test_controllers);
-  tcase_add_test(cases, test_properties);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_controls);
+CHECK_MAIN(saliencytactile_controls)

@@ -17,6 +17,8 @@
 #include "support/unmappable.h"
 #include <gst/gl/gl.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr double kLeastCorrelation = 0.99;
@@ -184,7 +186,7 @@ expect_unread(GstBuffer *frame)
 } // namespace
 
 /// In the bins of players, textures are shrunk too, and not on the thread that brings the film.
-GST_START_TEST(test_gl_in_a_player)
+CHECK_LOOP_TEST(test_gl_in_a_player, 0, 2)
 {
   use_software_gl();
   GstElement *pipeline = make_pipeline(
@@ -220,10 +222,9 @@ GST_START_TEST(test_gl_in_a_player)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 /// Frames in textures of any format and size, with each of OpenGL's interfaces.
-GST_START_TEST(test_gl)
+CHECK_LOOP_TEST(test_gl, 0, G_N_ELEMENTS(kGlCases))
 {
   const GlCase &given = kGlCases[__i__];
   use_software_gl();
@@ -235,10 +236,9 @@ GST_START_TEST(test_gl)
   fail_unless(gl.path == "gl", "%s: %s", given.upload, gl.path.c_str());
   assert_alike(mapped, gl, given.upload);
 }
-GST_END_TEST;
 
 /// At 4K at most 0.2 MB of 12 MB a frame are read.
-GST_START_TEST(test_gl_bytes)
+CHECK_TEST(test_gl_bytes)
 {
   use_software_gl();
   const std::string source = film(3840, 2160, 18);
@@ -250,19 +250,17 @@ GST_START_TEST(test_gl_bytes)
               static_cast<double>(gl.bytes) / static_cast<double>(gl.frames));
   assert_alike(mapped, gl, "4K");
 }
-GST_END_TEST;
 
 /// profile=paper analyzes every pixel.
-GST_START_TEST(test_gl_exact)
+CHECK_TEST(test_gl_exact)
 {
   use_software_gl();
   const std::string end = "! saliencytactile name=saliency profile=paper ! fakesink";
   fail_unless(play(film(1280, 720, 4) + "glupload " + end).path == "mapped");
 }
-GST_END_TEST;
 
 /// Without the module, and where OpenGL is software, frames are read as a whole.
-GST_START_TEST(test_gl_is_not_there)
+CHECK_LOOP_TEST(test_gl_is_not_there, 0, 2)
 {
   use_software_gl();
   if (__i__ == 0)
@@ -275,10 +273,9 @@ GST_START_TEST(test_gl_is_not_there)
   fail_unless_equals_uint64(gl.bytes, 0);
   assert_alike(play(source + "identity " + kEnd), gl, "whole");
 }
-GST_END_TEST;
 
 /// The textures' size changes while the film plays.
-GST_START_TEST(test_gl_caps_change)
+CHECK_TEST(test_gl_caps_change)
 {
   use_software_gl();
   const Play gl = play("concat name=all ! glupload " + kEnd + " " + film(1280, 720, 6) + "all. "
@@ -286,10 +283,9 @@ GST_START_TEST(test_gl_caps_change)
   fail_unless_equals_uint64(gl.frames, 18);
   fail_unless(gl.path == "gl");
 }
-GST_END_TEST;
 
 /// A real film, 768 × 432.
-GST_START_TEST(test_gl_real_film)
+CHECK_TEST(test_gl_real_film)
 {
   const char *folder = g_getenv("TEST_CLIPS");
   const std::string clip = std::string(folder ? folder : "") + "/car-detection.mp4";
@@ -303,10 +299,9 @@ GST_START_TEST(test_gl_real_film)
   fail_unless(gl.path == "gl");
   assert_alike(play(source + "identity " + end), gl, "film");
 }
-GST_END_TEST;
 
 /// Regions and windows are in the pixels of the frame, not in those of its small picture.
-GST_START_TEST(test_gl_metas)
+CHECK_LOOP_TEST(test_gl_metas, 0, 2)
 {
   use_software_gl();
   const bool crops = __i__ == 1;
@@ -334,7 +329,6 @@ GST_START_TEST(test_gl_metas)
   fail_unless(correlation(mapped.levels, play(source + "identity " + end).levels)
               < kLeastCorrelation);
 }
-GST_END_TEST;
 
 namespace {
 
@@ -357,7 +351,7 @@ struct Neighbor
 } // namespace
 
 /// An element that takes the frames' memory shrinks them.
-GST_START_TEST(test_element)
+CHECK_TEST(test_element)
 {
   FakeVaPostProc::install();
   const std::string source = film(1280, 720);
@@ -370,10 +364,9 @@ GST_START_TEST(test_element)
     assert_alike(play(source + "identity " + kEnd), element, feature);
   }
 }
-GST_END_TEST;
 
 /// That element's display is the one that the pipeline uses.
-GST_START_TEST(test_element_shares_the_display)
+CHECK_TEST(test_element_shares_the_display)
 {
   FakeVaPostProc::install();
   Analysis analysis;
@@ -402,11 +395,10 @@ GST_START_TEST(test_element_shares_the_display)
   gst_bus_set_flushing(analysis.messages.bus, TRUE); // messages hold their sources
   fail_unless_equals_int(FakeVaPostProc::alive(), 0);
 }
-GST_END_TEST;
 
 /// Memory that nobody can read, and caps that GStreamer 1.22 does not know, pass as they are, with
 /// one warning.
-GST_START_TEST(test_unreadable)
+CHECK_LOOP_TEST(test_unreadable, 0, 4)
 {
   constexpr const char *kCaps[] = {
     "video/x-raw(memory:Fake),format=NV12,width=1280,height=720,framerate=30/1",
@@ -430,10 +422,9 @@ GST_START_TEST(test_unreadable)
   fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
   fail_unless(path_of(analysis.element) == (__i__ == 0 ? "mapped" : "none"));
 }
-GST_END_TEST;
 
 /// A frame that others have, too, passes with the same memory and metas.
-GST_START_TEST(test_shared_frame)
+CHECK_TEST(test_shared_frame)
 {
   constexpr const char *kCaps
       = "video/x-raw(memory:Fake),format=NV12,width=1280,height=720,framerate=30/1";
@@ -449,10 +440,9 @@ GST_START_TEST(test_shared_frame)
   fail_unless(gst_buffer_get_tactile_meta(out) != nullptr);
   fail_unless(gst_buffer_get_tactile_meta(frame) == nullptr);
 }
-GST_END_TEST;
 
 /// Formats that the analysis does not know are converted.
-GST_START_TEST(test_other_formats)
+CHECK_LOOP_TEST(test_other_formats, 0, 8)
 {
   constexpr const char *kFormats[]
       = { "AYUV64", "v210", "NV16", "Y444_10LE", "GBR", "RGB16", "GRAY16_LE", "NV12_4L4" };
@@ -464,10 +454,9 @@ GST_START_TEST(test_other_formats)
   fail_unless(other.path == "converted", "%s: %s", format, other.path.c_str());
   assert_alike(play(source + gray + "identity " + kEnd), other, format);
 }
-GST_END_TEST;
 
 /// A source with a choice takes a format that is read as it is.
-GST_START_TEST(test_known_formats_come_first)
+CHECK_TEST(test_known_formats_come_first)
 {
   fail_unless(play(std::string("videotestsrc num-buffers=2 ! ") + kAnalysis + "! fakesink").path
               == "mapped");
@@ -476,30 +465,5 @@ GST_START_TEST(test_known_formats_come_first)
           .path
       == "mapped");
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_memory_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_memory");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_set_timeout(cases, 60);
-  tcase_add_loop_test(cases, test_gl, 0, G_N_ELEMENTS(kGlCases));
-  tcase_add_test(cases, test_gl_bytes);
-  tcase_add_test(cases, test_gl_exact);
-  tcase_add_loop_test(cases, test_gl_in_a_player, 0, 2);
-  tcase_add_loop_test(cases, test_gl_is_not_there, 0, 2);
-  tcase_add_test(cases, test_gl_caps_change);
-  tcase_add_test(cases, test_gl_real_film);
-  tcase_add_loop_test(cases, test_gl_metas, 0, 2);
-  tcase_add_test(cases, test_element);
-  tcase_add_test(cases, test_element_shares_the_display);
-  tcase_add_loop_test(cases, test_unreadable, 0, 4);
-  tcase_add_test(cases, test_shared_frame);
-  tcase_add_loop_test(cases, test_other_formats, 0, 8);
-  tcase_add_test(cases, test_known_formats_come_first);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_memory);
+CHECK_MAIN_TIMEOUT(saliencytactile_memory, 60)

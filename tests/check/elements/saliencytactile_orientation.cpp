@@ -12,6 +12,8 @@
 
 #include "saliencytactile_rig.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 struct Way
@@ -130,7 +132,7 @@ public:
 /// sample every 2ⁿth pixel from the left and top. So a flipped picture's samples are up to one
 /// sample off, which is 4 to 8 of 240 pixels. For a square of 24 pixels near a cell's border this
 /// changes its level by up to 9 %. A wrong orientation changes it entirely.
-GST_START_TEST(test_as_if_turned)
+CHECK_LOOP_TEST(test_as_if_turned, 0, kWays.size())
 {
   const Way &way = kWays[static_cast<std::size_t>(__i__)];
   for (const Scene &scene : kScenes)
@@ -149,11 +151,10 @@ GST_START_TEST(test_as_if_turned)
                   grid, scene.width, scene.height, difference(tagged, turned));
     }
 }
-GST_END_TEST;
 
 /// A stream's tag overrides the file's global tag. Both survive flushes, until other tags or
 /// another stream come.
-GST_START_TEST(test_tags)
+CHECK_TEST(test_tags)
 {
   Player player;
   ck_assert_uint_eq(player.strongest_of_next(), 0);
@@ -173,10 +174,9 @@ GST_START_TEST(test_tags)
   fail_unless(gst_harness_push_event(player.analysis.h, gst_event_new_stream_start("another")));
   ck_assert_uint_eq(player.strongest_of_next(), 0);
 }
-GST_END_TEST;
 
 /// A tag within the stream applies from the next frame on, also if that frame is not analyzed.
-GST_START_TEST(test_tag_within_the_stream)
+CHECK_TEST(test_tag_within_the_stream)
 {
   Analysis analysis("saliencytactile max-rate=1", caps_of(kScenes[0]).c_str());
   for (guint i = 0; i < 30; i++)
@@ -191,10 +191,9 @@ GST_START_TEST(test_tag_within_the_stream)
   push_tag(analysis, "rotate-90");
   ck_assert_uint_eq(strongest(analysis.felt(scene_frame(kScenes[0], 14))), 2);
 }
-GST_END_TEST;
 
 /// A designer's map is in the viewer's orientation already.
-GST_START_TEST(test_kept_maps)
+CHECK_TEST(test_kept_maps)
 {
   Analysis analysis("saliencytactile keep-maps=true", caps_of(kScenes[0]).c_str());
   push_tag(analysis, "rotate-90");
@@ -203,19 +202,5 @@ GST_START_TEST(test_kept_maps)
   gst_buffer_add_tactile_meta(frame, 2, 3, levels.data(), levels.size());
   fail_unless(analysis.felt(frame) == levels);
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_orientation_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_orientation");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_as_if_turned, 0, static_cast<int>(kWays.size()));
-  tcase_add_test(cases, test_tags);
-  tcase_add_test(cases, test_tag_within_the_stream);
-  tcase_add_test(cases, test_kept_maps);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_orientation);
+CHECK_MAIN(saliencytactile_orientation)

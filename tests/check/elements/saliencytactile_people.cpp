@@ -12,6 +12,8 @@
 #include "saliencytactile_rig.h"
 #include "schematic_face.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr const char *kCaps = "video/x-raw,format=RGB,width=320,height=240,framerate=30/1";
@@ -89,7 +91,7 @@ constexpr const char *kNowhere = "/nowhere";
 } // namespace
 
 /// A drawn face is found. At rest it is not felt, and once it talks it is, at its cell.
-GST_START_TEST(test_talking_head)
+CHECK_TEST(test_talking_head)
 {
   for (const char *line : { "saliencytactile people=fast", "saliencytactile people=thorough" }) {
     Film film(line);
@@ -103,10 +105,9 @@ GST_START_TEST(test_talking_head)
     fail_if(film.messages.has(GST_MESSAGE_WARNING));
   }
 }
-GST_END_TEST;
 
 /// Without people the same film is hardly felt, and stats have no looks.
-GST_START_TEST(test_off)
+CHECK_TEST(test_off)
 {
   Film film("saliencytactile");
   film.play(60, false);
@@ -118,10 +119,9 @@ GST_START_TEST(test_off)
     paper.show(0);
   ck_assert_uint_eq(paper.stat("looks"), 0);
 }
-GST_END_TEST;
 
 /// The same film gives the same maps each time, also under load: looks are waited for.
-GST_START_TEST(test_the_same_each_time)
+CHECK_TEST(test_the_same_each_time)
 {
   const auto play = [] {
     Film film;
@@ -135,10 +135,9 @@ GST_START_TEST(test_the_same_each_time)
   for (std::size_t i = 0; i < first.size(); i++)
     fail_unless(first[i] == again[i], "frame %zu", i);
 }
-GST_END_TEST;
 
 /// Regions of a detector upstream are the faces; the element's own detector is not even loaded.
-GST_START_TEST(test_regions_upstream)
+CHECK_TEST(test_regions_upstream)
 {
   g_setenv("VISUOTACTILE_MODULES", kNowhere, TRUE);
   for (const char *type : { "face", "head", "person", "car" }) {
@@ -158,10 +157,9 @@ GST_START_TEST(test_regions_upstream)
     ck_assert_int_eq(film.messages.has(GST_MESSAGE_WARNING), !person);
   }
 }
-GST_END_TEST;
 
 /// One warning says what is missing and what to install; the film goes on.
-GST_START_TEST(test_missing)
+CHECK_TEST(test_missing)
 {
   for (const char *variable : { "VISUOTACTILE_CASCADES", "VISUOTACTILE_MODULES" }) {
     g_setenv(variable, kNowhere, TRUE);
@@ -176,10 +174,9 @@ GST_START_TEST(test_missing)
     ck_assert_uint_eq(film.stat("analyzed"), 120);
   }
 }
-GST_END_TEST;
 
 /// A detector whose memory runs out: the film goes on, and is felt.
-GST_START_TEST(test_out_of_memory)
+CHECK_TEST(test_out_of_memory)
 {
   g_setenv("VISUOTACTILE_MODULES", THROWING_MODULES, TRUE);
   Film film;
@@ -191,10 +188,9 @@ GST_START_TEST(test_out_of_memory)
   ck_assert_uint_eq(film.stat("analyzed"), 120);
   ck_assert_uint_eq(film.stat("faces"), 0);
 }
-GST_END_TEST;
 
 /// It is switched on, off and to another effort while the film plays.
-GST_START_TEST(test_changes)
+CHECK_TEST(test_changes)
 {
   const char *const modes[] = { "fast", "off", "thorough", "fast" };
   Film film("saliencytactile");
@@ -209,10 +205,9 @@ GST_START_TEST(test_changes)
     film.show(0);
   }
 }
-GST_END_TEST;
 
 /// A live source is never held up, and the element stops while a look is under way.
-GST_START_TEST(test_live)
+CHECK_TEST(test_live)
 {
   for (int frames = 1; frames < 12; frames += 3) {
     Analysis analysis("saliencytactile people=thorough", kCaps); // GstHarness is live
@@ -224,10 +219,9 @@ GST_START_TEST(test_live)
     ck_assert_uint_eq(stat_of(analysis.element, "frames"), static_cast<guint64>(frames));
   }
 }
-GST_END_TEST;
 
 /// Sinks that say that frames come late are not made to wait.
-GST_START_TEST(test_late_frames)
+CHECK_TEST(test_late_frames)
 {
   Film film;
   gst_harness_push_upstream_event(
@@ -238,10 +232,9 @@ GST_START_TEST(test_late_frames)
   film.play(30, false);
   ck_assert_uint_eq(film.stat("faces"), 1);
 }
-GST_END_TEST;
 
 /// After a seek faces have to be found anew; a cut is one, too.
-GST_START_TEST(test_seek_and_cut)
+CHECK_TEST(test_seek_and_cut)
 {
   Film film;
   film.play(45, false);
@@ -257,10 +250,9 @@ GST_START_TEST(test_seek_and_cut)
   gst_buffer_unref(film.pass(white));
   ck_assert_uint_eq(film.stat("faces"), 0);
 }
-GST_END_TEST;
 
 /// A photograph of people in skin's colors: what is found at once is where they are.
-GST_START_TEST(test_photograph)
+CHECK_TEST(test_photograph)
 {
   const std::string photograph = std::string(g_getenv("TEST_PHOTOGRAPHS")) + "/1409.jpg";
   if (!std::filesystem::exists(photograph))
@@ -278,27 +270,5 @@ GST_START_TEST(test_photograph)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_people_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_people");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_talking_head);
-  tcase_add_test(tcase, test_off);
-  tcase_add_test(tcase, test_the_same_each_time);
-  tcase_add_test(tcase, test_regions_upstream);
-  tcase_add_test(tcase, test_missing);
-  tcase_add_test(tcase, test_out_of_memory);
-  tcase_add_test(tcase, test_changes);
-  tcase_add_test(tcase, test_live);
-  tcase_add_test(tcase, test_late_frames);
-  tcase_add_test(tcase, test_seek_and_cut);
-  tcase_add_test(tcase, test_photograph);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_people);
+CHECK_MAIN(saliencytactile_people)

@@ -19,6 +19,8 @@
 #include <gst/analytics/analytics.h>
 #endif
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// Two squares that appear at the same time, left and right in the middle row, each with a region.
@@ -48,7 +50,7 @@ squares_with_regions(const char *weights, const char *left_type, const char *rig
 
 /// A region of weight 0 never plays. One with a raised weight puts others below the threshold.
 /// Types without a weight change nothing.
-GST_START_TEST(test_weights)
+CHECK_TEST(test_weights)
 {
   const std::vector<gfloat> plain = squares_with_regions("", "face", "logo");
   fail_unless(plain[3] > 0.3f && plain[5] > 0.3f);
@@ -68,11 +70,10 @@ GST_START_TEST(test_weights)
   fail_if(any(squares_with_regions("roi-weights=\"*=0\"", "face", "logo")));
   fail_unless(strongest(squares_with_regions("roi-weights=\"*=0,logo=1\"", "face", "logo")) == 5);
 }
-GST_END_TEST;
 
 #ifdef HAVE_ANALYTICS
 /// An object of GstAnalytics is a region, too, unless its tracker has lost it.
-GST_START_TEST(test_analytics)
+CHECK_TEST(test_analytics)
 {
   const auto levels = [](bool is_tracked, bool is_lost) {
     Analysis analysis("saliencytactile roi-weights=logo=0", kCaps);
@@ -103,11 +104,10 @@ GST_START_TEST(test_analytics)
   }
   fail_unless(levels(true, true) == squares_with_regions("", nullptr, nullptr));
 }
-GST_END_TEST;
 #endif
 
 /// Weights apply to the attached saliency map, too.
-GST_START_TEST(test_attached_map)
+CHECK_TEST(test_attached_map)
 {
   const auto peaks = [](const char *weights) {
     GstBuffer *buffer = nullptr;
@@ -130,10 +130,9 @@ GST_START_TEST(test_attached_map)
   fail_unless(std::abs(left_raised - 2 * left) < 0.001f * left);
   fail_unless(std::abs(right_lowered - 0.25f * right) < 0.001f * right);
 }
-GST_END_TEST;
 
 /// Regions are in pixels of the whole frame, also if it is cropped.
-GST_START_TEST(test_regions_of_a_cropped_frame)
+CHECK_TEST(test_regions_of_a_cropped_frame)
 {
   for (const bool on_it : { true, false }) {
     Analysis analysis("saliencytactile roi-weights=\"logo=0\"", kCaps);
@@ -153,10 +152,9 @@ GST_START_TEST(test_regions_of_a_cropped_frame)
     fail_unless(any(levels) == !on_it);
   }
 }
-GST_END_TEST;
 
 /// A recent region still has effect, but not after a discontinuity.
-GST_START_TEST(test_jump_forgets_regions)
+CHECK_TEST(test_jump_forgets_regions)
 {
   for (const bool jumps : { false, true }) {
     Analysis analysis("saliencytactile roi-weights=\"logo=0\"", kCaps);
@@ -172,10 +170,9 @@ GST_START_TEST(test_jump_forgets_regions)
     fail_unless(any(analysis.felt(frame(14, square(160, 120, 20)))) == jumps);
   }
 }
-GST_END_TEST;
 
 /// The synthetic film's own targets as regions of weight 0: its maps stay silent.
-GST_START_TEST(test_targets_of_a_film)
+CHECK_TEST(test_targets_of_a_film)
 {
   for (const char *pattern : { "static-motion", "dynamic-motion" }) {
     g_autofree gchar *line
@@ -191,12 +188,11 @@ GST_START_TEST(test_targets_of_a_film)
     }
   }
 }
-GST_END_TEST;
 
 /// A real detector: OpenCV's from gst-plugins-bad, with the cascade of Debian's opencv-data. The
 /// picture has a face and, at the same size and contrast, a face on its side, which the detector
 /// does not find.
-GST_START_TEST(test_face_detector)
+CHECK_TEST(test_face_detector)
 {
   GstElementFactory *detector = gst_element_factory_find("facedetect");
   fail_unless(detector != nullptr, "there is no facedetect: run tools/setup.sh test");
@@ -251,11 +247,10 @@ GST_START_TEST(test_face_detector)
     fail_unless(levels[5] > 0);
   });
 }
-GST_END_TEST;
 
 /// The property returns the text as set. Text that cannot be parsed causes a warning, changes
 /// nothing and prevents the start.
-GST_START_TEST(test_weights_as_text)
+CHECK_TEST(test_weights_as_text)
 {
   g_autoptr(GstElement) element = gst_element_factory_make("saliencytactile", nullptr);
   const ElementBus messages(element);
@@ -291,11 +286,10 @@ GST_START_TEST(test_weights_as_text)
   fail_unless(shown() == "(none)");
   gst_element_set_state(element, GST_STATE_NULL);
 }
-GST_END_TEST;
 
 /// A small square moves about the picture's middle. With the fixed viewport only the middle cell
 /// plays. With the adaptive one left and right do, too, until a discontinuity.
-GST_START_TEST(test_viewport)
+CHECK_TEST(test_viewport)
 {
   const auto moving = [](guint i) {
     return square(160 + static_cast<int>(44 * std::sin(i * 2 * G_PI / 60)), 120, 10);
@@ -320,11 +314,10 @@ GST_START_TEST(test_viewport)
     ck_assert_uint_eq(strongest(analysis.felt(jump)), 4);
   }
 }
-GST_END_TEST;
 
 /// The camera pans over a texture. With camera=gentle a wave runs to the right, weaker than events,
 /// and the disc that appears is felt as without.
-GST_START_TEST(test_camera)
+CHECK_TEST(test_camera)
 {
   const auto picture = [](guint i) -> Paint {
     return [i](int x, int y) {
@@ -361,11 +354,10 @@ GST_START_TEST(test_camera)
   for (std::size_t i = 1; i < crests.size(); i++)
     ck_assert_uint_eq(crests[i], (crests[i - 1] + 1) % 3);
 }
-GST_END_TEST;
 
 /// A square that stays plays for max-cue-duration, and again after any kind of discontinuity. The
 /// same holds if maps are repeated between analyses.
-GST_START_TEST(test_cue_duration)
+CHECK_TEST(test_cue_duration)
 {
   for (const char *rate : { "", "max-rate=2" }) {
     g_autofree gchar *line
@@ -393,10 +385,9 @@ GST_START_TEST(test_cue_duration)
     expect_cue(false);
   }
 }
-GST_END_TEST;
 
 /// Squares that appear repeatedly in the middle cell: those within the refractory time do not play.
-GST_START_TEST(test_cue_refractory)
+CHECK_TEST(test_cue_refractory)
 {
   Analysis analysis("saliencytactile temporal=false cue-refractory=1000000000", kCaps);
   for (guint i = 0; i < 180; i++) {
@@ -408,10 +399,9 @@ GST_START_TEST(test_cue_refractory)
     fail_unless(is_felt == (i % 60 < 15), "frame %u", i);
   }
 }
-GST_END_TEST;
 
 /// Other threads may set any property at any time.
-GST_START_TEST(test_set_from_another_thread)
+CHECK_TEST(test_set_from_another_thread)
 {
   Analysis analysis("saliencytactile", kCaps);
   std::thread other([&] {
@@ -435,30 +425,5 @@ GST_START_TEST(test_set_from_another_thread)
   }
   other.join();
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_steering_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_steering");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_weights);
-#ifdef HAVE_ANALYTICS
-  tcase_add_test(cases, test_analytics);
-#endif
-  tcase_add_test(cases, test_attached_map);
-  tcase_add_test(cases, test_regions_of_a_cropped_frame);
-  tcase_add_test(cases, test_jump_forgets_regions);
-  tcase_add_test(cases, test_targets_of_a_film);
-  tcase_add_test(cases, test_face_detector);
-  tcase_add_test(cases, test_weights_as_text);
-  tcase_add_test(cases, test_viewport);
-  tcase_add_test(cases, test_camera);
-  tcase_add_test(cases, test_cue_duration);
-  tcase_add_test(cases, test_cue_refractory);
-  tcase_add_test(cases, test_set_from_another_thread);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_steering);
+CHECK_MAIN(saliencytactile_steering)

@@ -3,10 +3,12 @@
 // saliencytactile over time: changes of properties, resets, rates, new streams, and its statistics.
 #include "saliencytactile_rig.h"
 
+#include "support/check_tests.h"
+
 constexpr const char *kTiny = "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1";
 
 /// Properties apply from the next frame on, including the grid.
-GST_START_TEST(test_properties_while_playing)
+CHECK_TEST(test_properties_while_playing)
 {
   const SquareFilm film("I420", 0, 0);
   Analysis analysis;
@@ -27,11 +29,10 @@ GST_START_TEST(test_properties_while_playing)
     i++;
   }
 }
-GST_END_TEST;
 
 /// Any number of threads gives the same maps, also if it changes within a stream: the history is
 /// kept.
-GST_START_TEST(test_threads)
+CHECK_TEST(test_threads)
 {
   const SquareFilm film("NV12", 1, 2);
   const std::vector<gfloat> expected = Analysis("saliencytactile n-threads=1").play(film);
@@ -49,19 +50,17 @@ GST_START_TEST(test_threads)
       fail_unless(levels == expected);
   }
 }
-GST_END_TEST;
 
 /// A map whose maximum is below the floor is silent.
-GST_START_TEST(test_floor_silences)
+CHECK_TEST(test_floor_silences)
 {
   for (const gfloat level : Analysis("saliencytactile floor=500").play(SquareFilm("I420", 1, 1)))
     fail_unless(level == 0);
 }
-GST_END_TEST;
 
 /// No cue at the start, nor after a flush, a new segment, new caps or a discontinuity: a square
 /// that is there at once is no event.
-GST_START_TEST(test_no_burst_after_resets)
+CHECK_TEST(test_no_burst_after_resets)
 {
   const SquareFilm film("I420", 1, 1);
   GstBuffer *const empty = film.frames.front();
@@ -93,11 +92,10 @@ GST_START_TEST(test_no_burst_after_resets)
   pts = 0; // back in time without an event
   fail_if(felt(empty, false));
 }
-GST_END_TEST;
 
 /// The film with its time stamps swapped, 1 0 3 2 …, or in the order in which B-frames are decoded.
 /// A square that appears is the event that it is in order.
-GST_START_TEST(test_swapped_times)
+CHECK_TEST(test_swapped_times)
 {
   const SquareFilm film("I420", 0, 2);
   const auto play = [&](const std::vector<int> &order, std::vector<gfloat> &levels) {
@@ -119,11 +117,10 @@ GST_START_TEST(test_swapped_times)
     ck_assert_uint_eq(strongest(levels), 2);
   }
 }
-GST_END_TEST;
 
 /// All frames have one time, as GStreamer 1.22 reads a GIF: one warning, and the analysis goes by
 /// the frame rate.
-GST_START_TEST(test_standing_times)
+CHECK_TEST(test_standing_times)
 {
   const SquareFilm film("I420", 0, 2);
   Analysis analysis;
@@ -139,11 +136,10 @@ GST_START_TEST(test_standing_times)
   fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
   fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 }
-GST_END_TEST;
 
 /// What a decoder made up for lost data is not felt, and the history goes on: the square that is
 /// there in corrupted frames is an event once it is there in a whole one.
-GST_START_TEST(test_corrupted_frames)
+CHECK_TEST(test_corrupted_frames)
 {
   const SquareFilm film("I420", 0, 2);
   Analysis analysis("saliencytactile skip-unchanged=false");
@@ -162,10 +158,9 @@ GST_START_TEST(test_corrupted_frames)
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), film.frames.size());
   ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), film.frames.size() - 3);
 }
-GST_END_TEST;
 
 /// Played backwards, a square that appears is an event as well.
-GST_START_TEST(test_reverse)
+CHECK_TEST(test_reverse)
 {
   const SquareFilm film("I420", 0, 2);
   Analysis analysis;
@@ -186,21 +181,19 @@ GST_START_TEST(test_reverse)
   ck_assert_uint_eq(strongest(levels), 2);
   fail_unless(std::ranges::max(levels) > 0);
 }
-GST_END_TEST;
 
 /// Frames beyond max-rate repeat the last map: with 10 analyses a second at 30 fps, two of three.
-GST_START_TEST(test_max_rate)
+CHECK_TEST(test_max_rate)
 {
   Analysis analysis("saliencytactile max-rate=10 skip-unchanged=false");
   analysis.play(SquareFilm("I420", 0, 0));
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
   ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), 6); // frames 0, 3, 6, 9, 12, 15
 }
-GST_END_TEST;
 
 /// Frames that show nothing new are not analyzed, unless the user wants all to be, or something may
 /// raise what is far below the floor.
-GST_START_TEST(test_skip_unchanged)
+CHECK_TEST(test_skip_unchanged)
 {
   struct Case
   {
@@ -227,10 +220,9 @@ GST_START_TEST(test_skip_unchanged)
                 static_cast<guint>(unchanged));
   }
 }
-GST_END_TEST;
 
 /// max-rate is never exceeded: 25 of 30 frames a second.
-GST_START_TEST(test_max_rate_is_not_exceeded)
+CHECK_TEST(test_max_rate_is_not_exceeded)
 {
   Analysis analysis("saliencytactile max-rate=25 skip-unchanged=false", kTiny);
   for (guint i = 0; i < 300; i++) {
@@ -242,11 +234,10 @@ GST_START_TEST(test_max_rate_is_not_exceeded)
   const guint64 analyzed = stat_of(analysis.element, "analyzed");
   fail_unless(analyzed >= 249 && analyzed <= 251, "%u", static_cast<guint>(analyzed));
 }
-GST_END_TEST;
 
 /// With keep-maps a frame's own map is kept and the frame is not analyzed. Otherwise the map is
 /// replaced.
-GST_START_TEST(test_keep_maps)
+CHECK_TEST(test_keep_maps)
 {
   for (const bool keep : { false, true }) {
     Analysis analysis("saliencytactile skip-unchanged=false", kTiny);
@@ -266,9 +257,8 @@ GST_START_TEST(test_keep_maps)
     fail_unless_equals_uint64(stat_of(analysis.element, "active"), keep ? 2 : 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_change_mid_stream)
+CHECK_TEST(test_caps_change_mid_stream)
 {
   Analysis analysis;
   for (const char *format : { "I420", "RGB", "GRAY8", "I420" })
@@ -282,9 +272,8 @@ GST_START_TEST(test_caps_change_mid_stream)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_statistics_message_at_eos)
+CHECK_TEST(test_statistics_message_at_eos)
 {
   Analysis analysis("saliencytactile", kTiny);
   for (int i = 0; i < 3; i++)
@@ -296,29 +285,5 @@ GST_START_TEST(test_statistics_message_at_eos)
   gst_structure_get_uint64(gst_message_get_structure(message), "frames", &frames);
   ck_assert_uint_eq(frames, 3);
 }
-GST_END_TEST;
 
-static Suite *
-saliencytactile_stream_suite(void)
-{
-  Suite *suite = suite_create("saliencytactile_stream");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_properties_while_playing);
-  tcase_add_test(cases, test_threads);
-  tcase_add_test(cases, test_floor_silences);
-  tcase_add_test(cases, test_no_burst_after_resets);
-  tcase_add_test(cases, test_swapped_times);
-  tcase_add_test(cases, test_standing_times);
-  tcase_add_test(cases, test_corrupted_frames);
-  tcase_add_test(cases, test_reverse);
-  tcase_add_test(cases, test_max_rate);
-  tcase_add_test(cases, test_skip_unchanged);
-  tcase_add_test(cases, test_max_rate_is_not_exceeded);
-  tcase_add_test(cases, test_keep_maps);
-  tcase_add_test(cases, test_caps_change_mid_stream);
-  tcase_add_test(cases, test_statistics_message_at_eos);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliencytactile_stream);
+CHECK_MAIN(saliencytactile_stream)

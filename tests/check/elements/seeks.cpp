@@ -16,6 +16,8 @@
 #include "support/stream_watch.h"
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr GstClockTime kStep = 40 * GST_MSECOND;
@@ -328,7 +330,7 @@ wait_for_buffers(Played &played, const Case &of)
   });
 }
 
-GST_START_TEST(test_seeks_and_gaps)
+CHECK_LOOP_TEST(test_seeks_and_gaps, 0, kCases.size())
 {
   const Case &of = kCases.at(static_cast<std::size_t>(__i__));
   Played played(of);
@@ -356,16 +358,5 @@ GST_START_TEST(test_seeks_and_gaps)
   fail_unless(gaps.empty(), "%s: gaps do not pass %s", of.element,
               gaps.empty() ? "" : gaps.front().c_str());
 }
-GST_END_TEST;
 
-static Suite *
-seeks_suite(void)
-{
-  Suite *suite = suite_create("seeks");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_loop_test(cases, test_seeks_and_gaps, 0, static_cast<int>(kCases.size()));
-  return suite;
-}
-
-GST_CHECK_MAIN(seeks);
+CHECK_MAIN(seeks)

@@ -26,6 +26,8 @@
 #include "support/temporary_file.h"
 #include "trace.h"
 
+#include "support/check_tests.h"
+
 using tactor::IssuedCommand;
 using tactor::Time;
 
@@ -328,7 +330,7 @@ constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
 } // namespace
 
 // The sound may be a little earlier than the picture.
-GST_START_TEST(test_one_cue)
+CHECK_LOOP_TEST(test_one_cue, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { -0.03 });
@@ -336,9 +338,8 @@ GST_START_TEST(test_one_cue)
   player.prepare();
   assert_one_cue(player.play(), the_hit().at - 0.03);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_cue_of_a_decoder)
+CHECK_LOOP_TEST(test_one_cue_of_a_decoder, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { 0.02 });
@@ -346,11 +347,10 @@ GST_START_TEST(test_one_cue_of_a_decoder)
   player.prepare();
   assert_one_cue(player.play(), the_hit().at + 0.02);
 }
-GST_END_TEST;
 
 // In a gapless play each film has its own impacts. playbin of GStreamer 1.22 does not get over the
 // end of this film, with no element of this project either.
-GST_START_TEST(test_gapless)
+CHECK_LOOP_TEST(test_gapless, 1, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { 0.02 });
@@ -373,10 +373,9 @@ GST_START_TEST(test_gapless)
   for (const double begin : { 0.0, kLength })
     assert_one_cue(lines, begin + the_hit().at + 0.02);
 }
-GST_END_TEST;
 
 // What the listener turns down is felt all the same, here later than the picture.
-GST_START_TEST(test_volume_and_mute)
+CHECK_LOOP_TEST(test_volume_and_mute, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { 0.07 });
@@ -385,10 +384,9 @@ GST_START_TEST(test_volume_and_mute)
   player.prepare();
   assert_one_cue(player.play(), the_hit().at + 0.07);
 }
-GST_END_TEST;
 
 // After seeks, at other rates: the running time of the impact is the picture's.
-GST_START_TEST(test_seeks)
+CHECK_LOOP_TEST(test_seeks, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { -0.05 });
@@ -400,7 +398,6 @@ GST_START_TEST(test_seeks)
     assert_one_cue(player.play(), (the_hit().at - 0.05 - 0.4) / rate, kSame / std::min(rate, 1.0));
   }
 }
-GST_END_TEST;
 
 /// Selects the film's second audio track, in the way of each player.
 static void
@@ -451,7 +448,7 @@ switch_and_seek(Player &player, const char *playbin)
 
 // After a switch to another audio track and the seek by which players make it heard at once, its
 // impacts are felt, and those of the other are not.
-GST_START_TEST(test_track_switch)
+CHECK_LOOP_TEST(test_track_switch, 0, std::size(kPlaybins))
 {
   for (const bool joins : { true, false }) {
     const TemporaryFile film("", ".mkv");
@@ -473,10 +470,9 @@ GST_START_TEST(test_track_switch)
       assert_picture_only(lines, the_hit().at - 0.3);
   }
 }
-GST_END_TEST;
 
 // A film that was stepped through: the sound stays with the picture.
-GST_START_TEST(test_steps)
+CHECK_LOOP_TEST(test_steps, 0, std::size(kPlaybins))
 {
   constexpr int kSteps = 15;
   const TemporaryFile film("", ".mkv");
@@ -491,7 +487,6 @@ GST_START_TEST(test_steps)
   }
   assert_one_cue(player.play(), the_hit().at - 0.05 - kSteps / 30.0);
 }
-GST_END_TEST;
 
 /// Cuts the sound off at a time; gap events come in place of what follows.
 static GstPadProbeReturn
@@ -519,7 +514,7 @@ make_gap(GstPad *pad, GstPadProbeInfo *info, gpointer user_data)
 }
 
 // An impact right before a gap of the sound is felt: the gap ends what the analysis waits for.
-GST_START_TEST(test_gap_of_sound)
+CHECK_LOOP_TEST(test_gap_of_sound, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { -0.05 });
@@ -531,10 +526,9 @@ GST_START_TEST(test_gap_of_sound)
   player.prepare();
   assert_one_cue(player.play(), at);
 }
-GST_END_TEST;
 
 // Sound that is off is not felt: the picture has the blocks of its rate, none at the impact.
-GST_START_TEST(test_off)
+CHECK_LOOP_TEST(test_off, 0, std::size(kPlaybins))
 {
   const TemporaryFile film("", ".mkv");
   make_film(film.path, { -0.15 });
@@ -542,25 +536,5 @@ GST_START_TEST(test_off)
   player.prepare();
   assert_picture_only(player.play(), the_hit().at);
 }
-GST_END_TEST;
 
-static Suite *
-sound_joins_suite(void)
-{
-  Suite *suite = suite_create("sound_joins");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  const int playbins = static_cast<int>(std::size(kPlaybins));
-  tcase_add_loop_test(cases, test_one_cue, 0, playbins);
-  tcase_add_loop_test(cases, test_one_cue_of_a_decoder, 0, playbins);
-  tcase_add_loop_test(cases, test_gapless, 1, playbins); // playbin3
-  tcase_add_loop_test(cases, test_volume_and_mute, 0, playbins);
-  tcase_add_loop_test(cases, test_seeks, 0, playbins);
-  tcase_add_loop_test(cases, test_track_switch, 0, playbins);
-  tcase_add_loop_test(cases, test_steps, 0, playbins);
-  tcase_add_loop_test(cases, test_gap_of_sound, 0, playbins);
-  tcase_add_loop_test(cases, test_off, 0, playbins);
-  return suite;
-}
-
-GST_CHECK_MAIN(sound_joins);
+CHECK_MAIN(sound_joins)

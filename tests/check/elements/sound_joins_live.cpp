@@ -8,8 +8,10 @@
 #include "support/playing.h"
 #include <gst/base/gstbasesink.h>
 
+#include "support/check_tests.h"
+
 // A chair whose sound never comes plays the picture.
-GST_START_TEST(test_sound_that_never_comes)
+CHECK_TEST(test_sound_that_never_comes)
 {
   GstElement *pipeline = make_pipeline(
       "tactiletestsrc pattern=dynamic-motion num-buffers=30 ! "
@@ -34,11 +36,10 @@ GST_START_TEST(test_sound_that_never_comes)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 // Of a live source, all are later by the frames that the maps wait for their sound: as many as 95
 // ms need, and of long ones as many as are in that time.
-GST_START_TEST(test_live_latency)
+CHECK_LOOP_TEST(test_live_latency, 0, 3)
 {
   struct Rate
   {
@@ -73,10 +74,9 @@ GST_START_TEST(test_live_latency)
   const auto off = static_cast<gint64>(latency[true] - latency[false] - rate.later);
   fail_unless(ABS(off) <= 3, "%" G_GINT64_FORMAT " ns off", off); // rounded in each frame
 }
-GST_END_TEST;
 
 /// An application hears a LATENCY message, and all sinks wait longer from then on.
-GST_START_TEST(test_switched_on_while_live)
+CHECK_LOOP_TEST(test_switched_on_while_live, 0, 2)
 {
   struct Chair
   {
@@ -122,18 +122,5 @@ GST_START_TEST(test_switched_on_while_live)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-sound_joins_live_suite(void)
-{
-  Suite *suite = suite_create("sound_joins_live");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_sound_that_never_comes);
-  tcase_add_loop_test(cases, test_live_latency, 0, 3);
-  tcase_add_loop_test(cases, test_switched_on_while_live, 0, 2);
-  return suite;
-}
-
-GST_CHECK_MAIN(sound_joins_live);
+CHECK_MAIN(sound_joins_live)

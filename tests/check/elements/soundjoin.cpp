@@ -13,7 +13,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 
 namespace {
@@ -142,7 +142,7 @@ assert_felt(const std::vector<Felt> &felt, int begin, int end, int on, int off)
 } // namespace
 
 // A gap of the picture has sound, and is one where none is heard.
-GST_START_TEST(test_gap)
+CHECK_TEST(test_gap)
 {
   Join heard;
   heard.hear(ms(250), ms(300));
@@ -155,10 +155,9 @@ GST_START_TEST(test_gap)
   fail_unless(unheard.felt().empty());
   fail_unless_equals_int(unheard.gaps(), 1);
 }
-GST_END_TEST;
 
 // What was lost on the way is no silence of the picture: tactorsink keeps the map before it.
-GST_START_TEST(test_lost_data_are_no_gap)
+CHECK_TEST(test_lost_data_are_no_gap)
 {
   Join join;
   join.hear(ms(250), ms(300));
@@ -169,10 +168,9 @@ GST_START_TEST(test_lost_data_are_no_gap)
   fail_unless_equals_clocktime(felt.back().end, static_cast<GstClockTime>(ms(200).count()));
   fail_unless_equals_int(join.gaps(), 1);
 }
-GST_END_TEST;
 
 // A pad's offset puts the film's first second before the pipeline's zero.
-GST_START_TEST(test_before_zero)
+CHECK_TEST(test_before_zero)
 {
   Join join(ms(-1000));
   join.hear(ms(-750), ms(-700));
@@ -189,18 +187,5 @@ GST_START_TEST(test_before_zero)
   across.push_silent(200, 300);
   assert_felt(across.felt(), 200, 300, 250, 300);
 }
-GST_END_TEST;
 
-static Suite *
-soundjoin_suite(void)
-{
-  Suite *suite = suite_create("soundjoin");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_gap);
-  tcase_add_test(cases, test_lost_data_are_no_gap);
-  tcase_add_test(cases, test_before_zero);
-  return suite;
-}
-
-GST_CHECK_MAIN(soundjoin);
+CHECK_MAIN(soundjoin)

@@ -2,8 +2,8 @@
 #include "gst/fusion/sound_meta.h"
 #include "sound/synthetic_sound.h"
 
+#include "support/check_tests.h"
 #include <gst/audio/audio.h>
-#include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 
@@ -136,7 +136,7 @@ events(GstHarness *harness)
 } // namespace
 
 // Each buffer comes out as the same memory; maps follow each other without gaps until the end.
-GST_START_TEST(test_audio_and_maps)
+CHECK_TEST(test_audio_and_maps)
 {
   Sound sound;
   for (guint i = 0; i < 20; i++) {
@@ -162,10 +162,9 @@ GST_START_TEST(test_audio_and_maps)
   ASSERT_EVENTS(sound.tactile, "stream-start caps segment eos");
   ASSERT_EVENTS(sound.audio, "stream-start caps segment eos");
 }
-GST_END_TEST;
 
 // An impact in the left is felt in the left column, at its time, whatever the format.
-GST_START_TEST(test_impact)
+CHECK_TEST(test_impact)
 {
   const auto speakers = sound::usual_speakers(2);
   double at = 0;
@@ -207,10 +206,9 @@ GST_START_TEST(test_impact)
     fail_unless_equals_float(onset->levels[0], onset->levels[6]);
   }
 }
-GST_END_TEST;
 
 // Tactors take what is felt at once, and its end.
-GST_START_TEST(test_marked_maps)
+CHECK_TEST(test_marked_maps)
 {
   double at = 0;
   const std::vector<float> frames = impact(sound::usual_speakers(2), 3, &at);
@@ -232,10 +230,9 @@ GST_START_TEST(test_marked_maps)
   }
   ck_assert_uint_ge(marked, 7); // an impact is felt for 60 ms at least
 }
-GST_END_TEST;
 
 // In planes, too; the loudspeakers' places are those of the caps, here right before left.
-GST_START_TEST(test_planes)
+CHECK_TEST(test_planes)
 {
   const auto speakers = sound::usual_speakers(2);
   double at = 0;
@@ -260,10 +257,9 @@ GST_START_TEST(test_planes)
   fail_unless(onset != felt.end());
   fail_unless(onset->levels[2] > 10 * onset->levels[0]);
 }
-GST_END_TEST;
 
 // What comes before a flush is forgotten: no map of it, and the next begins at the new time.
-GST_START_TEST(test_flush)
+CHECK_TEST(test_flush)
 {
   Sound sound;
   for (guint i = 0; i < 10; i++)
@@ -280,10 +276,9 @@ GST_START_TEST(test_flush)
   fail_unless_equals_int(after.size(), 3);
   fail_unless_equals_uint64(after.front().pts, GST_SECOND);
 }
-GST_END_TEST;
 
 // Sound that leaps is read anew; what came before is felt to its end. Rounded times are no leap.
-GST_START_TEST(test_leap)
+CHECK_TEST(test_leap)
 {
   Sound sound;
   for (guint i = 0; i < 10; i++)
@@ -299,10 +294,9 @@ GST_START_TEST(test_leap)
   fail_unless_equals_uint64(after[1].pts, 10 * kBlockTime);
   fail_unless_equals_uint64(after[2].pts, 50 * kBlockTime);
 }
-GST_END_TEST;
 
 // A gap of the audio is one of the maps, after what came before it.
-GST_START_TEST(test_gap)
+CHECK_TEST(test_gap)
 {
   Sound sound;
   for (guint i = 0; i < 10; i++)
@@ -312,10 +306,9 @@ GST_START_TEST(test_gap)
   fail_unless_equals_int(maps(sound.tactile).size(), 10);
   ASSERT_EVENTS(sound.tactile, "stream-start caps segment gap");
 }
-GST_END_TEST;
 
 // Backwards there is nothing to feel, and audio passes.
-GST_START_TEST(test_backwards)
+CHECK_TEST(test_backwards)
 {
   Sound sound;
   GstSegment segment;
@@ -328,10 +321,9 @@ GST_START_TEST(test_backwards)
   ASSERT_EVENTS(sound.tactile, "stream-start caps segment segment gap");
   fail_unless_equals_int(gst_harness_buffers_received(sound.audio), 1);
 }
-GST_END_TEST;
 
 // A map's length and what the analysis waits for are the tactile pad's latency; audio has none.
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   Sound sound;
   gst_harness_set_upstream_latency(sound.audio, 30 * GST_MSECOND);
@@ -352,10 +344,9 @@ GST_START_TEST(test_latency)
   }
   fail("no map came");
 }
-GST_END_TEST;
 
 // New caps are read from then on; caps that cannot be read pass, with gaps and a warning.
-GST_START_TEST(test_caps)
+CHECK_TEST(test_caps)
 {
   Sound sound;
   gst_harness_push(sound.audio, silence(0));
@@ -386,10 +377,9 @@ GST_START_TEST(test_caps)
   fail_unless_equals_int(maps(sound.tactile).size(), 0);
   ASSERT_EVENTS(sound.tactile, "gap");
 }
-GST_END_TEST;
 
 // Either branch may be left unlinked.
-GST_START_TEST(test_unlinked)
+CHECK_TEST(test_unlinked)
 {
   GstHarness *alone = gst_harness_new_with_padnames("soundtactile", "sink", "src");
   gst_harness_set_src_caps_str(alone, kStereo);
@@ -404,10 +394,9 @@ GST_START_TEST(test_unlinked)
   fail_unless_equals_int(gst_harness_buffers_received(felt), 3);
   gst_harness_teardown(felt);
 }
-GST_END_TEST;
 
 // A chair of another grid is followed while sound is felt.
-GST_START_TEST(test_another_grid)
+CHECK_TEST(test_another_grid)
 {
   Sound sound;
   for (guint i = 0; i < 30; i++) {
@@ -435,10 +424,9 @@ GST_START_TEST(test_another_grid)
   ck_assert_uint_eq(rows, 2);
   ck_assert_uint_eq(columns, 4);
 }
-GST_END_TEST;
 
 // Other rates of maps keep their grid, and their latency.
-GST_START_TEST(test_maps_per_second)
+CHECK_TEST(test_maps_per_second)
 {
   Sound sound(nullptr);
   gst_element_set_state(sound.audio->element, GST_STATE_NULL);
@@ -455,10 +443,9 @@ GST_START_TEST(test_maps_per_second)
   // The end of a map is up to one analysis, 5 ms, before what is read.
   fail_unless(gst_harness_query_latency(sound.tactile) <= 31 * GST_MSECOND);
 }
-GST_END_TEST;
 
 // `blows` is the former name of `impacts`, and deprecated.
-GST_START_TEST(test_former_name)
+CHECK_TEST(test_former_name)
 {
   GstElement *element = gst_element_factory_make("soundtactile", nullptr);
   const GParamSpec *former = g_object_class_find_property(G_OBJECT_GET_CLASS(element), "blows");
@@ -473,29 +460,5 @@ GST_START_TEST(test_former_name)
   fail_unless(blows);
   gst_object_unref(element);
 }
-GST_END_TEST;
 
-static Suite *
-soundtactile_suite(void)
-{
-  Suite *suite = suite_create("soundtactile");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_former_name);
-  tcase_add_test(tc, test_audio_and_maps);
-  tcase_add_test(tc, test_impact);
-  tcase_add_test(tc, test_marked_maps);
-  tcase_add_test(tc, test_planes);
-  tcase_add_test(tc, test_flush);
-  tcase_add_test(tc, test_leap);
-  tcase_add_test(tc, test_gap);
-  tcase_add_test(tc, test_backwards);
-  tcase_add_test(tc, test_latency);
-  tcase_add_test(tc, test_caps);
-  tcase_add_test(tc, test_unlinked);
-  tcase_add_test(tc, test_another_grid);
-  tcase_add_test(tc, test_maps_per_second);
-  return suite;
-}
-
-GST_CHECK_MAIN(soundtactile);
+CHECK_MAIN(soundtactile)

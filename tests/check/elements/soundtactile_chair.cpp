@@ -4,7 +4,7 @@
 #include "gst/fusion/pipeline_sound.h"
 #include "sound/synthetic_sound.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 
 #include <glib/gstdio.h>
@@ -18,7 +18,7 @@
 #include "support/playing.h"
 
 // A chair gets each impact at its time and place, and is at zero in the end.
-GST_START_TEST(test_chair)
+CHECK_TEST(test_chair)
 {
   gchar *folder = g_dir_make_tmp("soundtactile-XXXXXX", nullptr);
   const std::string trace = std::string(folder) + "/commands.csv";
@@ -67,10 +67,9 @@ GST_START_TEST(test_chair)
   g_rmdir(folder);
   g_free(folder);
 }
-GST_END_TEST;
 
 // Of two in one pipeline none speaks for the other: one is silent, the other has its impacts.
-GST_START_TEST(test_two_sounds)
+CHECK_TEST(test_two_sounds)
 {
   GstElement *pipeline = make_pipeline(
       "tactilesoundtestsrc num-buffers=150 ! soundtactile ! fakesink "
@@ -94,10 +93,9 @@ GST_START_TEST(test_two_sounds)
   fail_if(maps->is_heard());
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 // A pad that is linked while the film plays has the maps from then on.
-GST_START_TEST(test_linked_while_it_plays)
+CHECK_TEST(test_linked_while_it_plays)
 {
   constexpr gsize kBlock = 480;
   GstHarness *audio = gst_harness_new_with_padnames("soundtactile", "sink", "src");
@@ -123,18 +121,5 @@ GST_START_TEST(test_linked_while_it_plays)
   fail_unless(maps->is_heard());
   gst_harness_teardown(audio);
 }
-GST_END_TEST;
 
-static Suite *
-soundtactile_chair_suite(void)
-{
-  Suite *suite = suite_create("soundtactile_chair");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_chair);
-  tcase_add_test(cases, test_two_sounds);
-  tcase_add_test(cases, test_linked_while_it_plays);
-  return suite;
-}
-
-GST_CHECK_MAIN(soundtactile_chair);
+CHECK_MAIN(soundtactile_chair)

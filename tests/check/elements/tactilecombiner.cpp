@@ -13,6 +13,8 @@
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr const gchar *kVideoCaps = "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1";
@@ -212,7 +214,7 @@ gst_begins_again()
 
 } // namespace
 
-GST_START_TEST(test_map_at_the_frames_beginning)
+CHECK_TEST(test_map_at_the_frames_beginning)
 {
   Combiner c;
   c.push_map(0.5F, 0, 40);
@@ -228,10 +230,9 @@ GST_START_TEST(test_map_at_the_frames_beginning)
   ASSERT_LEVELS(c, { 0.25F, 0 });
   ASSERT_LEVELS(c, { 0, 0 }); // the film is longer
 }
-GST_END_TEST;
 
 /// What begins or ends within a frame, also of a film at twice the speed.
-GST_START_TEST(test_maps_within_a_frame)
+CHECK_TEST(test_maps_within_a_frame)
 {
   for (const char *mix : { "replace", "max", "gate" })
     for (const double rate : { 1.0, 2.0 }) {
@@ -269,10 +270,9 @@ GST_START_TEST(test_maps_within_a_frame)
       fail_unless(c.later.empty());
     }
 }
-GST_END_TEST;
 
 /// A map of one frame is on one frame of a film that runs backward, however fast.
-GST_START_TEST(test_reverse)
+CHECK_TEST(test_reverse)
 {
   for (const double rate : { -1.0, -2.0, -0.5 }) {
     Combiner c;
@@ -291,10 +291,9 @@ GST_START_TEST(test_reverse)
     }
   }
 }
-GST_END_TEST;
 
 /// The sound's maps are one with the picture's.
-GST_START_TEST(test_sound_within_a_frame)
+CHECK_TEST(test_sound_within_a_frame)
 {
   Combiner c;
   c.push_map(0.5F, 0, 10, true);
@@ -312,10 +311,9 @@ GST_START_TEST(test_sound_within_a_frame)
   ASSERT_LEVELS(silent_first, { 0, 0 });
   fail_unless(silent_first.later.empty());
 }
-GST_END_TEST;
 
 /// The film's own maps within a frame are mixed with the track's.
-GST_START_TEST(test_own_maps_within_a_frame)
+CHECK_TEST(test_own_maps_within_a_frame)
 {
   for (const char *mix : { "replace", "max", "sum" }) {
     Combiner c;
@@ -343,9 +341,8 @@ GST_START_TEST(test_own_maps_within_a_frame)
       fail_unless(c.later == (Combiner::Later{ { 10, both }, { 20, 0.5F }, { 30, 0 } }));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frequency)
+CHECK_TEST(test_frequency)
 {
   Combiner c;
   const gfloat levels[] = { 0.5F, 0 };
@@ -363,9 +360,8 @@ GST_START_TEST(test_frequency)
     gst_buffer_unref(frame);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_film_ends_first)
+CHECK_TEST(test_film_ends_first)
 {
   Combiner c;
   c.push_map(0.5F, 0, 10'000);
@@ -375,10 +371,9 @@ GST_START_TEST(test_film_ends_first)
   fail_unless(gst_harness_push_event(c.video, gst_event_new_eos()));
   wait_for_the_end(c);
 }
-GST_END_TEST;
 
 /// A track of an hour, with serialized queries, does not wait for a film that has ended.
-GST_START_TEST(test_longer_track)
+CHECK_TEST(test_longer_track)
 {
   Combiner c;
   c.push_frame(0);
@@ -394,10 +389,9 @@ GST_START_TEST(test_longer_track)
   c.stop_feeding();
   fail_unless(c.flows == std::set({ GST_FLOW_OK, GST_FLOW_EOS }));
 }
-GST_END_TEST;
 
 /// A second film of the same combiner has its own track, whichever of both begins first.
-GST_START_TEST(test_second_film)
+CHECK_TEST(test_second_film)
 {
   if (!gst_begins_again())
     return;
@@ -427,10 +421,9 @@ GST_START_TEST(test_second_film)
     ASSERT_LEVELS(c, { 0, 0 });
   }
 }
-GST_END_TEST;
 
 /// Sound and picture of different lengths, both ways, also from live sources.
-GST_START_TEST(test_lengths)
+CHECK_LOOP_TEST(test_lengths, 0, 4)
 {
   constexpr const gchar *kSources[] = { "", "is-live=true" };
   const gchar *live = kSources[__i__ / 2];
@@ -451,9 +444,8 @@ GST_START_TEST(test_lengths)
   fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
   gst_element_set_state(pipeline, GST_STATE_NULL);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_offset)
+CHECK_TEST(test_offset)
 {
   for (const auto &[offset, first] : { std::pair{ "40000000", 1 }, { "-40000000", -1 } }) {
     Combiner c;
@@ -470,9 +462,8 @@ GST_START_TEST(test_offset)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gaps)
+CHECK_TEST(test_gaps)
 {
   Combiner c;
   c.push_map(0.5F, 0, 40);
@@ -486,10 +477,9 @@ GST_START_TEST(test_gaps)
   ASSERT_LEVELS(c, { 0, 0 });
   ASSERT_LEVELS(c, { 1, 0 });
 }
-GST_END_TEST;
 
 /// What was lost on the way does not end what is felt.
-GST_START_TEST(test_map_holds_for_lost_data)
+CHECK_TEST(test_map_holds_for_lost_data)
 {
   Combiner c;
   c.push_map(0.5F, 0, 40);
@@ -504,9 +494,8 @@ GST_START_TEST(test_map_holds_for_lost_data)
   ASSERT_LEVELS(c, { 0, 0 });
   ASSERT_LEVELS(c, { 1, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_map_without_duration_holds)
+CHECK_TEST(test_map_without_duration_holds)
 {
   Combiner c;
   c.push_map(0.5F, 0, 0);
@@ -519,9 +508,8 @@ GST_START_TEST(test_map_without_duration_holds)
   ASSERT_LEVELS(c, { 1, 0 });
   ASSERT_LEVELS(c, { 1, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frame_waits_for_the_track)
+CHECK_TEST(test_frame_waits_for_the_track)
 {
   Combiner c;
   c.push_map(0.5F, 0, 40);
@@ -531,9 +519,8 @@ GST_START_TEST(test_frame_waits_for_the_track)
   c.push_map(1, 40, 80);
   ASSERT_LEVELS(c, { 1, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mix)
+CHECK_TEST(test_mix)
 {
   for (const bool strongest : { false, true }) {
     Combiner c;
@@ -551,10 +538,9 @@ GST_START_TEST(test_mix)
     }
   }
 }
-GST_END_TEST;
 
 // The sum is at most 1; the gate gives the track's strength to the film's place.
-GST_START_TEST(test_mix_of_sound)
+CHECK_TEST(test_mix_of_sound)
 {
   const auto mixed = [](const char *mix, float felt) {
     Combiner c;
@@ -572,10 +558,9 @@ GST_START_TEST(test_mix_of_sound)
   fail_unless(mixed("accent", 1) == std::vector<float>({ 1, 1 }));
   fail_unless(mixed("stress", 1) == std::vector<float>({ 1, 1 }));
 }
-GST_END_TEST;
 
 // A frame tells what the sound added, and that it ended; a track that is no sound adds nothing.
-GST_START_TEST(test_what_came_from_which)
+CHECK_TEST(test_what_came_from_which)
 {
   Combiner c;
   c.set("mix", "accent");
@@ -593,8 +578,8 @@ GST_START_TEST(test_what_came_from_which)
   ASSERT_LEVELS(c, { 1, 1 });
   fail_if(c.added.has_value());
 }
-GST_END_TEST;
-GST_START_TEST(test_mix_of_grids)
+
+CHECK_TEST(test_mix_of_grids)
 {
   Combiner c;
   c.set("mix", "max");
@@ -603,9 +588,8 @@ GST_START_TEST(test_mix_of_grids)
   c.push_frame(0, 0.25F, 2, 4); // each cell of the track is two by two of the film's
   ASSERT_LEVELS(c, { 1, 1, 0.25F, 0.25F, 1, 1, 0.25F, 0.25F });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_without_a_track)
+CHECK_TEST(test_without_a_track)
 {
   Combiner none(false);
   none.push_frame(0, 0.5F);
@@ -613,9 +597,8 @@ GST_START_TEST(test_without_a_track)
   ASSERT_LEVELS(none, { 0.5F, 0.5F });
   fail_unless(none.pull().empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Combiner c;
   c.push_map(1, 0, 40);
@@ -633,9 +616,8 @@ GST_START_TEST(test_seek)
   c.push_frame(1);
   ASSERT_LEVELS(c, { 0.25F, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_size)
+CHECK_TEST(test_wrong_size)
 {
   Combiner c;
   const ElementBus messages(c.video->element);
@@ -649,37 +631,5 @@ GST_START_TEST(test_wrong_size)
       = gst_bus_timed_pop_filtered(messages.bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
   fail_unless(message != nullptr);
 }
-GST_END_TEST;
 
-static Suite *
-tactilecombiner_suite(void)
-{
-  Suite *suite = suite_create("tactilecombiner");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_map_at_the_frames_beginning);
-  tcase_add_test(tests, test_maps_within_a_frame);
-  tcase_add_test(tests, test_reverse);
-  tcase_add_test(tests, test_sound_within_a_frame);
-  tcase_add_test(tests, test_own_maps_within_a_frame);
-  tcase_add_test(tests, test_frequency);
-  tcase_add_test(tests, test_film_ends_first);
-  tcase_add_test(tests, test_longer_track);
-  tcase_add_test(tests, test_second_film);
-  tcase_add_loop_test(tests, test_lengths, 0, 4);
-  tcase_add_test(tests, test_offset);
-  tcase_add_test(tests, test_gaps);
-  tcase_add_test(tests, test_map_holds_for_lost_data);
-  tcase_add_test(tests, test_map_without_duration_holds);
-  tcase_add_test(tests, test_frame_waits_for_the_track);
-  tcase_add_test(tests, test_mix);
-  tcase_add_test(tests, test_mix_of_grids);
-  tcase_add_test(tests, test_mix_of_sound);
-  tcase_add_test(tests, test_what_came_from_which);
-  tcase_add_test(tests, test_without_a_track);
-  tcase_add_test(tests, test_seek);
-  tcase_add_test(tests, test_wrong_size);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactilecombiner)
+CHECK_MAIN(tactilecombiner)

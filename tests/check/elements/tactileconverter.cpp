@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::Cue;
 using tactile::TactileMap;
 using tactile::Time;
@@ -152,7 +154,7 @@ convert_maps(const gchar *caps, const std::vector<std::pair<int, int>> &percent_
 
 } // namespace
 
-GST_START_TEST(test_cues_on_change_and_every_second)
+CHECK_TEST(test_cues_on_change_and_every_second)
 {
   using namespace std::chrono_literals;
   const std::vector<Cue> expected = { { 0s, 200ms, make_map(50) },
@@ -164,9 +166,8 @@ GST_START_TEST(test_cues_on_change_and_every_second)
   fail_unless(convert_maps(kTextCaps, film) == expected);
   fail_unless(convert_maps(kKlvCaps, film) == expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_changes_within_a_percent)
+CHECK_TEST(test_changes_within_a_percent)
 {
   using namespace std::chrono_literals;
   Harness converter(kMapCaps, kTextCaps);
@@ -180,9 +181,8 @@ GST_START_TEST(test_changes_within_a_percent)
   fail_unless(converter.pull(kTextCaps) == cue);
   fail_if(converter.pull(kTextCaps).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   for (const gchar *between : { kTextCaps, kKlvCaps }) {
     Harness there(kMapCaps, between);
@@ -205,9 +205,8 @@ GST_START_TEST(test_round_trip)
     ASSERT_EVENTS(back, "stream-start caps:2x2 segment");
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frequencies)
+CHECK_TEST(test_frequencies)
 {
   constexpr const gchar *kCue = "  0  50\n100  25\n120 Hz";
   Harness to_map(kTextCaps, kMapCaps);
@@ -230,9 +229,8 @@ GST_START_TEST(test_frequencies)
   }
   gst_buffer_unref(map);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gaps_of_a_track)
+CHECK_TEST(test_gaps_of_a_track)
 {
   Harness converter(kTextCaps, kMapCaps);
   converter.push_text("0 50\n100 25", GST_SECOND, 400 * GST_MSECOND);
@@ -248,9 +246,8 @@ GST_START_TEST(test_gaps_of_a_track)
   fail_unless(gst_harness_push_event(converter.h, gst_event_new_eos()));
   ASSERT_EVENTS(converter, "eos");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gap_of_maps_ends_a_cue)
+CHECK_TEST(test_gap_of_maps_ends_a_cue)
 {
   using namespace std::chrono_literals;
   Harness converter(kMapCaps, kTextCaps);
@@ -260,9 +257,8 @@ GST_START_TEST(test_gap_of_maps_ends_a_cue)
   fail_unless(converter.pull(kTextCaps) == cue);
   ASSERT_EVENTS(converter, "stream-start caps segment gap:100+200");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_text_variants)
+CHECK_TEST(test_text_variants)
 {
   // A cue as containers and editors change it.
   for (const gchar *caps : { "text/x-raw,format=utf8", "text/x-raw,format=pango-markup" })
@@ -282,9 +278,8 @@ GST_START_TEST(test_text_variants)
   const std::optional<Cue> cue = converter.pull(kMapCaps);
   fail_unless(cue && cue->map == make_map(75));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ordinary_subtitles)
+CHECK_TEST(test_ordinary_subtitles)
 {
   Harness converter(kTextCaps, kMapCaps);
   const ElementBus messages(converter.h->element);
@@ -297,9 +292,8 @@ GST_START_TEST(test_ordinary_subtitles)
   converter.push_text("0 50\n100 25", 4 * GST_SECOND, GST_SECOND);
   ASSERT_EVENTS(converter, "stream-start caps:2x2 segment gap:0+4000");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_hostile_klv)
+CHECK_TEST(test_hostile_klv)
 {
   Harness converter(kKlvCaps, kMapCaps);
   for (guint size = 1; size < 40; size++)
@@ -309,9 +303,8 @@ GST_START_TEST(test_hostile_klv)
         GST_FLOW_OK);
   fail_if(converter.pull(kMapCaps).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_durations)
+CHECK_TEST(test_durations)
 {
   using namespace std::chrono_literals;
   // Transport streams lose the buffer's duration, but the packet has its own.
@@ -327,9 +320,8 @@ GST_START_TEST(test_durations)
   const Cue frame{ 0s, 40ms, make_map(50) };
   fail_unless(maps.pull(kTextCaps) == frame);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_negotiation)
+CHECK_TEST(test_negotiation)
 {
   const auto out = [](const gchar *in, const gchar *takes) {
     Harness converter(in, takes);
@@ -351,9 +343,8 @@ GST_START_TEST(test_negotiation)
   fail_unless(out(kTextCaps, "meta/x-klv,parsed=true") == "meta/x-klv");
   fail_unless(out(kTextCaps, "text/x-raw") == "text/x-raw");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_maps_pass)
+CHECK_TEST(test_maps_pass)
 {
   Harness converter(kMapCaps, "application/x-tactile-map");
   TactileMap map = make_map(50);
@@ -363,9 +354,8 @@ GST_START_TEST(test_maps_pass)
   fail_unless(cue && cue->map == map);
   ASSERT_EVENTS(converter, "stream-start caps:2x2 segment");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Harness converter(kMapCaps, kTextCaps);
   converter.push_map(make_map(50), 0, 40 * GST_MSECOND);
@@ -381,9 +371,8 @@ GST_START_TEST(test_seek)
   fail_unless(cue && cue->begin == std::chrono::seconds(10)); // nothing from before the seek
   fail_if(converter.pull(kTextCaps).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   for (const bool to_text : { true, false }) {
     Harness converter(to_text ? kMapCaps : kTextCaps, to_text ? kTextCaps : kMapCaps);
@@ -392,38 +381,12 @@ GST_START_TEST(test_latency)
                               (to_text ? GST_SECOND : 0) + 70 * GST_MSECOND);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_empty_track)
+CHECK_TEST(test_empty_track)
 {
   Harness converter(kTextCaps, "application/x-tactile-map,rows=4,columns=6");
   fail_unless(gst_harness_push_event(converter.h, gst_event_new_eos()));
   ASSERT_EVENTS(converter, "stream-start caps:4x6 segment eos");
 }
-GST_END_TEST;
 
-static Suite *
-tactileconverter_suite(void)
-{
-  Suite *suite = suite_create("tactileconverter");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_cues_on_change_and_every_second);
-  tcase_add_test(tests, test_changes_within_a_percent);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_frequencies);
-  tcase_add_test(tests, test_gaps_of_a_track);
-  tcase_add_test(tests, test_gap_of_maps_ends_a_cue);
-  tcase_add_test(tests, test_text_variants);
-  tcase_add_test(tests, test_ordinary_subtitles);
-  tcase_add_test(tests, test_hostile_klv);
-  tcase_add_test(tests, test_durations);
-  tcase_add_test(tests, test_negotiation);
-  tcase_add_test(tests, test_maps_pass);
-  tcase_add_test(tests, test_seek);
-  tcase_add_test(tests, test_latency);
-  tcase_add_test(tests, test_empty_track);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactileconverter)
+CHECK_MAIN(tactileconverter)

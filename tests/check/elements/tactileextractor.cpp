@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gst/fusion/later_maps.h"
 #include "gst/fusion/sound_meta.h"
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
@@ -121,7 +121,7 @@ push(Extractor &e, GstBuffer *frame)
 
 } // namespace
 
-GST_START_TEST(test_frame_and_map)
+CHECK_TEST(test_frame_and_map)
 {
   Extractor e;
   GstBuffer *frame = make_frame(0, 2, 3);
@@ -140,9 +140,8 @@ GST_START_TEST(test_frame_and_map)
   fail_unless_equals_int(gst_buffer_n_memory(map), 1);
   assert_map(map, 0, 2, 3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stream_ids)
+CHECK_TEST(test_stream_ids)
 {
   Extractor e;
   fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_OK);
@@ -171,9 +170,8 @@ GST_START_TEST(test_stream_ids)
   fail_unless_equals_string(tactile_id, "film/tactile");
   gst_event_unref(tactile);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_changes)
+CHECK_TEST(test_caps_changes)
 {
   Extractor e;
   push(e, make_frame(0, 2, 3));
@@ -200,9 +198,8 @@ GST_START_TEST(test_caps_changes)
     assert_map(gst_harness_pull(e.tactile), i, grids[i].first, grids[i].second);
   fail_unless_equals_int(gst_harness_buffers_received(e.video), 6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gaps)
+CHECK_TEST(test_gaps)
 {
   Extractor e;
   push(e, make_frame(0)); // no grid is known yet, so it is the paper's
@@ -226,9 +223,8 @@ GST_START_TEST(test_gaps)
   ASSERT_EVENTS(e.tactile, "gap");
   ASSERT_EVENTS(e.video, "gap");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grid_that_downstream_wants)
+CHECK_TEST(test_grid_that_downstream_wants)
 {
   Extractor e(true, true, nullptr);
   gst_harness_set_sink_caps_str(e.tactile, "application/x-tactile-map,rows=[4,8],columns=7");
@@ -236,9 +232,8 @@ GST_START_TEST(test_grid_that_downstream_wants)
   push(e, make_frame(0));
   ASSERT_EVENTS(e.tactile, "stream-start caps:4x7@25/1 segment gap");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_end_of_stream)
+CHECK_TEST(test_end_of_stream)
 {
   Extractor e;
   fail_unless(
@@ -246,9 +241,8 @@ GST_START_TEST(test_end_of_stream)
   ASSERT_EVENTS(e.tactile, "stream-start caps:3x3@25/1 segment eos");
   ASSERT_EVENTS(e.video, "stream-start caps segment eos");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush_and_segment)
+CHECK_TEST(test_flush_and_segment)
 {
   Extractor e;
   push(e, make_frame(0, 3, 3));
@@ -280,9 +274,8 @@ GST_START_TEST(test_flush_and_segment)
   }
   ASSERT_EVENTS(e.tactile, "");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush_before_the_first_map)
+CHECK_TEST(test_flush_before_the_first_map)
 {
   Extractor e; // a segment not yet sent is replaced by the one after the flush
   fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
@@ -301,9 +294,8 @@ GST_START_TEST(test_flush_before_the_first_map)
   gst_event_unref(event);
   gst_object_unref(pad);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush_without_a_segment_after_it)
+CHECK_TEST(test_flush_without_a_segment_after_it)
 {
   Extractor e;
   fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
@@ -311,9 +303,8 @@ GST_START_TEST(test_flush_without_a_segment_after_it)
   fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
   ASSERT_EVENTS(e.tactile, "stream-start flush-start flush-stop caps:3x3@25/1 eos");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_events)
+CHECK_TEST(test_other_events)
 {
   Extractor e;
   push(e, make_frame(0, 3, 3));
@@ -327,9 +318,8 @@ GST_START_TEST(test_other_events)
   ASSERT_EVENTS(e.video, "tag segment-done stream-group-done");
   ASSERT_EVENTS(e.tactile, "segment-done stream-group-done");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_upstream_events)
+CHECK_TEST(test_upstream_events)
 {
   Extractor e;
   push(e, make_frame(0, 3, 3));
@@ -355,10 +345,9 @@ GST_START_TEST(test_upstream_events)
                                                      GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_NONE, -1));
   assert_upstream("seek");
 }
-GST_END_TEST;
 
 /// The grid of maps on frames is what their own branch prefers.
-GST_START_TEST(test_grid_asked_for)
+CHECK_TEST(test_grid_asked_for)
 {
   Extractor e;
   gst_harness_set_sink_caps_str(e.tactile, "application/x-tactile-map,rows=[2,4],columns=7");
@@ -373,9 +362,8 @@ GST_START_TEST(test_grid_asked_for)
   ck_assert_uint_eq(rows, 3);
   ck_assert_uint_eq(columns, 7);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_missing_times)
+CHECK_TEST(test_missing_times)
 {
   Extractor e;
   GstBuffer *frame = make_frame(5, 3, 3);
@@ -405,10 +393,9 @@ GST_START_TEST(test_missing_times)
   fail_if(GST_BUFFER_DURATION_IS_VALID(map));
   gst_buffer_unref(map);
 }
-GST_END_TEST;
 
 // The first map, and the first after a frame that is marked, whether or not that one has a map.
-GST_START_TEST(test_discont)
+CHECK_TEST(test_discont)
 {
   Extractor e;
   for (guint i = 0; i < 6; i++) {
@@ -424,10 +411,9 @@ GST_START_TEST(test_discont)
     gst_buffer_unref(map);
   }
 }
-GST_END_TEST;
 
 // Tactors take the maps of sound at once.
-GST_START_TEST(test_sound)
+CHECK_TEST(test_sound)
 {
   Extractor x;
   for (const bool sounds : { true, false }) {
@@ -440,9 +426,8 @@ GST_START_TEST(test_sound)
     gst_buffer_unref(map);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unlinked_tactile_pad)
+CHECK_TEST(test_unlinked_tactile_pad)
 {
   Extractor e(true, false);
   for (guint i = 0; i < 3; i++)
@@ -450,9 +435,8 @@ GST_START_TEST(test_unlinked_tactile_pad)
   fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
   fail_unless_equals_int(gst_harness_buffers_received(e.video), 3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unlinked_video_pad)
+CHECK_TEST(test_unlinked_video_pad)
 {
   Extractor e(false, true);
   for (guint i = 1; i < 4; i++)
@@ -461,15 +445,13 @@ GST_START_TEST(test_unlinked_video_pad)
   fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
   ASSERT_EVENTS(e.tactile, "stream-start caps:1x1@25/1 segment caps:2x2@25/1 caps:3x3@25/1 eos");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_both_unlinked)
+CHECK_TEST(test_both_unlinked)
 {
   Extractor e(false, false);
   fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_NOT_LINKED);
   fail_unless_equals_int(push(e, make_frame(1)), GST_FLOW_NOT_LINKED);
 }
-GST_END_TEST;
 
 static GstFlowReturn
 refuse(GstPad *pad, GstObject *parent, GstBuffer *buffer)
@@ -479,7 +461,7 @@ refuse(GstPad *pad, GstObject *parent, GstBuffer *buffer)
   return static_cast<GstFlowReturn>(GPOINTER_TO_INT(g_object_get_data(G_OBJECT(pad), "flow")));
 }
 
-GST_START_TEST(test_flow_of_either_branch)
+CHECK_TEST(test_flow_of_either_branch)
 {
   for (const bool of_video : { false, true })
     for (const auto &[branch, whole] :
@@ -491,10 +473,9 @@ GST_START_TEST(test_flow_of_either_branch)
       fail_unless_equals_int(push(e, make_frame(0, 3, 3)), whole);
     }
 }
-GST_END_TEST;
 
 /// A branch is removed while it has a map: the film goes on.
-GST_START_TEST(test_branch_taken_away_under_way)
+CHECK_TEST(test_branch_taken_away_under_way)
 {
   for (const bool of_video : { false, true }) {
     Extractor e;
@@ -511,9 +492,8 @@ GST_START_TEST(test_branch_taken_away_under_way)
     fail_unless_equals_int(gst_harness_buffers_received(of_video ? e.tactile : e.video), 3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_queries)
+CHECK_TEST(test_caps_queries)
 {
   Extractor e(true, true, nullptr);
   gst_harness_set_sink_caps_str(e.video, "video/x-raw,format={NV12,I420}; audio/x-raw");
@@ -534,9 +514,8 @@ GST_START_TEST(test_caps_queries)
   gst_caps_unref(caps);
   gst_caps_unref(expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_allocation_and_latency)
+CHECK_TEST(test_allocation_and_latency)
 {
   Extractor e;
   gst_harness_add_propose_allocation_meta(e.video, GST_VIDEO_META_API_TYPE, nullptr);
@@ -557,18 +536,16 @@ GST_START_TEST(test_allocation_and_latency)
     gst_query_unref(latency);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_any_memory)
+CHECK_TEST(test_any_memory)
 {
   Extractor e(true, true, "video/x-raw(memory:DMABuf),format=NV12,width=8,height=8,framerate=25/1");
   fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_OK);
   assert_map(gst_harness_pull(e.tactile), 0, 3, 3);
 }
-GST_END_TEST;
 
 /// Once a play: elements such as videoflip drop maps.
-GST_START_TEST(test_frames_without_maps_are_told)
+CHECK_TEST(test_frames_without_maps_are_told)
 {
   Extractor e;
   const ElementBus messages(e.video->element);
@@ -586,9 +563,8 @@ GST_START_TEST(test_frames_without_maps_are_told)
   push(e, make_frame(2));
   fail_unless_equals_int(told(), 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_restart)
+CHECK_TEST(test_restart)
 {
   Extractor e;
   push(e, make_frame(0, 2, 2));
@@ -602,10 +578,9 @@ GST_START_TEST(test_restart)
   push(e, make_frame(0, 2, 2));
   ASSERT_EVENTS(e.tactile, "stream-start caps:2x2@25/1 segment");
 }
-GST_END_TEST;
 
 /// A map of a track that begins within a frame comes at its own time, also through a copy.
-GST_START_TEST(test_maps_within_a_frame)
+CHECK_TEST(test_maps_within_a_frame)
 {
   Extractor x;
   g_autoptr(GstBuffer) frame = make_frame(2, 1, 2);
@@ -646,41 +621,5 @@ GST_START_TEST(test_maps_within_a_frame)
   gst_buffer_unref(gst_harness_pull(x.tactile));
   fail_unless(gst_harness_try_pull(x.tactile) == nullptr);
 }
-GST_END_TEST;
 
-static Suite *
-tactileextractor_suite(void)
-{
-  Suite *suite = suite_create("tactileextractor");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_maps_within_a_frame);
-  tcase_add_test(tests, test_frame_and_map);
-  tcase_add_test(tests, test_stream_ids);
-  tcase_add_test(tests, test_caps_changes);
-  tcase_add_test(tests, test_gaps);
-  tcase_add_test(tests, test_grid_that_downstream_wants);
-  tcase_add_test(tests, test_end_of_stream);
-  tcase_add_test(tests, test_flush_and_segment);
-  tcase_add_test(tests, test_flush_before_the_first_map);
-  tcase_add_test(tests, test_flush_without_a_segment_after_it);
-  tcase_add_test(tests, test_other_events);
-  tcase_add_test(tests, test_upstream_events);
-  tcase_add_test(tests, test_grid_asked_for);
-  tcase_add_test(tests, test_missing_times);
-  tcase_add_test(tests, test_discont);
-  tcase_add_test(tests, test_sound);
-  tcase_add_test(tests, test_unlinked_tactile_pad);
-  tcase_add_test(tests, test_unlinked_video_pad);
-  tcase_add_test(tests, test_both_unlinked);
-  tcase_add_test(tests, test_flow_of_either_branch);
-  tcase_add_test(tests, test_branch_taken_away_under_way);
-  tcase_add_test(tests, test_caps_queries);
-  tcase_add_test(tests, test_allocation_and_latency);
-  tcase_add_test(tests, test_any_memory);
-  tcase_add_test(tests, test_frames_without_maps_are_told);
-  tcase_add_test(tests, test_restart);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactileextractor)
+CHECK_MAIN(tactileextractor)

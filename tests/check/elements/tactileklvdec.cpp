@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/klv.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 
 #include <vector>
@@ -57,7 +57,7 @@ pull_gaps(GstHarness *h)
 
 // Players get gap events, so they have nothing to draw and do not wait. Elements that know them
 // find the packets there.
-GST_START_TEST(test_gaps_come_out)
+CHECK_TEST(test_gaps_come_out)
 {
   GstHarness *h = gst_harness_new("tactileklvdec");
   GstBus *bus = gst_bus_new();
@@ -84,10 +84,9 @@ GST_START_TEST(test_gaps_come_out)
   gst_object_unref(bus);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 // tactileconverter reads these subtitles like a track.
-GST_START_TEST(test_track_is_read)
+CHECK_TEST(test_track_is_read)
 {
   GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
   gst_harness_set_sink_caps_str(h, "application/x-tactile-map, rows=1, columns=2");
@@ -101,9 +100,8 @@ GST_START_TEST(test_track_is_read)
   gst_buffer_unref(map);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_conversion_to_text)
+CHECK_TEST(test_conversion_to_text)
 {
   GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
   gst_harness_set_sink_caps_str(h, "text/x-raw, format=utf8");
@@ -117,10 +115,9 @@ GST_START_TEST(test_conversion_to_text)
   gst_buffer_unref(cue);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 // Its default rank is enough for players and the discoverer to find it.
-GST_START_TEST(test_is_found_by_caps)
+CHECK_TEST(test_is_found_by_caps)
 {
   GstCaps *caps = gst_caps_from_string("meta/x-klv, parsed=true");
   GList *all = gst_element_factory_list_get_elements(GST_ELEMENT_FACTORY_TYPE_DECODABLE,
@@ -134,19 +131,5 @@ GST_START_TEST(test_is_found_by_caps)
   gst_plugin_feature_list_free(all);
   gst_caps_unref(caps);
 }
-GST_END_TEST;
 
-static Suite *
-tactileklvdec_suite(void)
-{
-  Suite *suite = suite_create("tactileklvdec");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_gaps_come_out);
-  tcase_add_test(tests, test_track_is_read);
-  tcase_add_test(tests, test_conversion_to_text);
-  tcase_add_test(tests, test_is_found_by_caps);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactileklvdec)
+CHECK_MAIN(tactileklvdec)

@@ -16,6 +16,8 @@
 #include <tuple>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr std::array kFormats{ "I420", "YV12", "NV12", "NV21", "YUY2",  "UYVY",      "Y42B",
@@ -99,7 +101,7 @@ overlay(GstBuffer *frame, const std::string &format, int width, int height,
 
 } // namespace
 
-GST_START_TEST(test_grid_in_every_format)
+CHECK_TEST(test_grid_in_every_format)
 {
   const std::vector<gfloat> levels{ 0.0F, 0.2F, 0.4F, 0.6F, 0.8F, 1.0F };
   constexpr int kCell = 48;
@@ -132,10 +134,9 @@ GST_START_TEST(test_grid_in_every_format)
       }
     }
 }
-GST_END_TEST;
 
 // A cell to which sound added has a thick blue border, wherever the level is.
-GST_START_TEST(test_border_of_sound)
+CHECK_TEST(test_border_of_sound)
 {
   constexpr Color kBlue{ 0, 0.4 * 255, 255 };
   constexpr int kSide = 60;
@@ -152,9 +153,8 @@ GST_START_TEST(test_border_of_sound)
   }
   assert_color(out, kSide / 2, 2, mix(kPicture, warm(0.5), 0.5), 1.5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_borders)
+CHECK_TEST(test_borders)
 {
   // All four sides of a cell have borders, as wide as 1/360 of the picture's shorter side.
   for (const auto &[width, height, line] : { std::tuple{ 90, 60, 1 }, { 1080, 1080, 3 } }) {
@@ -171,9 +171,8 @@ GST_START_TEST(test_borders)
       }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grid_covers_the_picture)
+CHECK_TEST(test_grid_covers_the_picture)
 {
   // 7 columns in 50 pixels are too narrow for borders. Cell c has the pixels [⌊50 c / 7⌋, ⌊50 (c +
   // 1) / 7⌋), and likewise for rows.
@@ -193,9 +192,8 @@ GST_START_TEST(test_grid_covers_the_picture)
           assert_color(out, x, y, mix(kPicture, warm(level), 0.8 * level), tolerance_of("RGB"));
         }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_heatmap_colors)
+CHECK_TEST(test_heatmap_colors)
 {
   // A field of a single value: blue, cyan, green, yellow, red.
   const std::array<std::pair<gfloat, Color>, 5> ramp{ {
@@ -214,7 +212,6 @@ GST_START_TEST(test_heatmap_colors)
                    tolerance_of(format));
     }
 }
-GST_END_TEST;
 
 /// Bilinear between values at the centers of their cells, in double precision.
 static double
@@ -230,7 +227,7 @@ interpolate(const std::vector<gfloat> &values, int columns, int rows, double x, 
   return sum;
 }
 
-GST_START_TEST(test_saliency_is_interpolated)
+CHECK_TEST(test_saliency_is_interpolated)
 {
   const std::vector<gfloat> values{ 0, 3, 9, 1, 5, 12, 2, 0, 7, 7, 4, 6 };
   for (const auto &[width, height] : { std::pair{ 61, 47 }, { 2, 2 }, { 1, 1 }, { 200, 100 } })
@@ -248,9 +245,8 @@ GST_START_TEST(test_saliency_is_interpolated)
         }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tall_pictures)
+CHECK_TEST(test_tall_pictures)
 {
   // Groups of rows share an interpolation. The error is at most the steps of these rows.
   constexpr int kWidth = 4;
@@ -264,9 +260,8 @@ GST_START_TEST(test_tall_pictures)
     assert_color(out, 2, y, { gray, gray, gray }, 0.51 + 2 * 255 * 2.0 / kHeight);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_saliency_scale)
+CHECK_TEST(test_saliency_scale)
 {
   const struct
   {
@@ -289,7 +284,6 @@ GST_START_TEST(test_saliency_scale)
   add_saliency(frame, 1, 1, { 5 }, 5);
   assert_color(overlay(frame, "RGB", 8, 8, "style=heatmap opacity=1"), 4, 4, { 0, 255, 0 }, 3);
 }
-GST_END_TEST;
 
 static std::vector<guint8>
 bytes_of(GstBuffer *buffer)
@@ -299,7 +293,7 @@ bytes_of(GstBuffer *buffer)
   return bytes;
 }
 
-GST_START_TEST(test_nothing_to_draw)
+CHECK_TEST(test_nothing_to_draw)
 {
   for (const std::string format : kFormats)
     for (const std::string style : { "grid", "heatmap", "saliency" }) {
@@ -331,9 +325,8 @@ GST_START_TEST(test_nothing_to_draw)
       gst_harness_teardown(h);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_alpha_and_padding_stay)
+CHECK_TEST(test_alpha_and_padding_stay)
 {
   for (const auto &[format, place] :
        { std::pair{ "RGBA", 3 }, { "BGRx", 3 }, { "ARGB", 0 }, { "xBGR", 0 } })
@@ -358,7 +351,6 @@ GST_START_TEST(test_alpha_and_padding_stay)
       gst_harness_teardown(h);
     }
 }
-GST_END_TEST;
 
 /// Draws into a frame whose rows have `padding` extra bytes of 0xa5, which must not change. Returns
 /// the samples without the padding.
@@ -413,7 +405,7 @@ draw_with_padding(const std::string &format, int width, int height, const std::s
   return samples;
 }
 
-GST_START_TEST(test_any_stride_and_size)
+CHECK_TEST(test_any_stride_and_size)
 {
   for (const std::string format : kFormats)
     for (const std::string style : { "style=grid", "style=heatmap", "style=saliency" })
@@ -426,9 +418,8 @@ GST_START_TEST(test_any_stride_and_size)
                     format.c_str(), style.c_str(), width, height);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_largest_grid)
+CHECK_TEST(test_largest_grid)
 {
   for (const auto &[width, height] :
        { std::pair{ 1, 1 }, { 30, 100 }, { 64, 64 }, { 1100, 700 } }) {
@@ -440,9 +431,8 @@ GST_START_TEST(test_largest_grid)
                   && ((got.green == 0 && got.blue == 0) || (got.green == 255 && got.blue == 255)));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_shared_frames)
+CHECK_TEST(test_shared_frames)
 {
   // A frame that someone else holds is copied and not modified.
   GstHarness *h = gst_harness_new_parse("tactileoverlay");
@@ -458,9 +448,8 @@ GST_START_TEST(test_shared_frames)
   gst_buffer_unref(out);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_warning_without_saliency)
+CHECK_TEST(test_warning_without_saliency)
 {
   GstHarness *h = gst_harness_new_parse("tactileoverlay style=saliency");
   GstElement *element = gst_harness_find_element(h, "tactileoverlay");
@@ -485,9 +474,8 @@ GST_START_TEST(test_warning_without_saliency)
   gst_object_unref(element);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_properties)
+CHECK_TEST(test_properties)
 {
   GstHarness *h = gst_harness_new_parse("tactileoverlay");
   GstElement *element = gst_harness_find_element(h, "tactileoverlay");
@@ -525,11 +513,10 @@ GST_START_TEST(test_properties)
   gst_object_unref(element);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 /// The meter: white up to the peak as a share of four floors, a red mark at one floor, above it the
 /// picture. Without a floor there is none.
-GST_START_TEST(test_meter)
+CHECK_TEST(test_meter)
 {
   constexpr int kWidth = 242;
   constexpr int kHeight = 120; // the meter's is 2, with half-height chroma, too
@@ -555,31 +542,5 @@ GST_START_TEST(test_meter)
           assert_color(out, 60, kHeight - 1, mix(kPicture, { 255, 0, 0 }, 0.8), tolerance);
       }
 }
-GST_END_TEST;
 
-static Suite *
-tactileoverlay_suite(void)
-{
-  Suite *suite = suite_create("tactileoverlay");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_grid_in_every_format);
-  tcase_add_test(tests, test_borders);
-  tcase_add_test(tests, test_border_of_sound);
-  tcase_add_test(tests, test_grid_covers_the_picture);
-  tcase_add_test(tests, test_heatmap_colors);
-  tcase_add_test(tests, test_saliency_is_interpolated);
-  tcase_add_test(tests, test_tall_pictures);
-  tcase_add_test(tests, test_saliency_scale);
-  tcase_add_test(tests, test_meter);
-  tcase_add_test(tests, test_nothing_to_draw);
-  tcase_add_test(tests, test_alpha_and_padding_stay);
-  tcase_add_test(tests, test_any_stride_and_size);
-  tcase_add_test(tests, test_largest_grid);
-  tcase_add_test(tests, test_shared_frames);
-  tcase_add_test(tests, test_warning_without_saliency);
-  tcase_add_test(tests, test_properties);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactileoverlay)
+CHECK_MAIN(tactileoverlay)

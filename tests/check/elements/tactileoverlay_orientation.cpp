@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 
@@ -86,7 +86,7 @@ difference(const std::vector<int> &one, const std::vector<int> &other)
 } // namespace
 
 /// Drawing on the stored picture, then rotating it, equals drawing on the rotated picture.
-GST_START_TEST(test_drawn_and_turned)
+CHECK_LOOP_TEST(test_drawn_and_turned, 0, kTags.size())
 {
   const gchar *tag = kTags[static_cast<std::size_t>(__i__)];
   const std::string draw = "tactileoverlay name=draw style=heatmap opacity=1 ";
@@ -100,16 +100,5 @@ GST_START_TEST(test_drawn_and_turned)
   const std::vector<int> untold = picture_after(draw + "video-direction=identity ! " + turn, tag);
   fail_unless((difference(untold, expected) > 20) == turned);
 }
-GST_END_TEST;
 
-static Suite *
-tactileoverlay_orientation_suite(void)
-{
-  Suite *suite = suite_create("tactileoverlay_orientation");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_loop_test(tests, test_drawn_and_turned, 0, static_cast<int>(kTags.size()));
-  return suite;
-}
-
-GST_CHECK_MAIN(tactileoverlay_orientation)
+CHECK_MAIN(tactileoverlay_orientation)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 
 #include <vector>
@@ -29,7 +29,7 @@ pulled(GstHarness *harness, GstClockTime *pts)
 } // namespace
 
 // Time stamps follow each other, and each channel count has its samples.
-GST_START_TEST(test_channels)
+CHECK_TEST(test_channels)
 {
   for (const int channels : { 1, 2, 6, 8 }) {
     gchar *launch = g_strdup_printf(
@@ -44,10 +44,9 @@ GST_START_TEST(test_channels)
     gst_harness_teardown(harness);
   }
 }
-GST_END_TEST;
 
 // After a seek the sound is as it would have been.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   const gchar *launch = "tactilesoundtestsrc music=true ! capsfilter caps=audio/x-raw,rate=32000";
   GstHarness *harness = source(launch);
@@ -69,10 +68,9 @@ GST_START_TEST(test_seek)
   gst_object_unref(src);
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
 // Each sound is told once, when it begins; before an impact there is silence.
-GST_START_TEST(test_truth)
+CHECK_TEST(test_truth)
 {
   GstElement *pipeline
       = gst_parse_launch("tactilesoundtestsrc num-buffers=300 name=s ! fakesink", nullptr);
@@ -104,18 +102,5 @@ GST_START_TEST(test_truth)
   gst_object_unref(bus);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-tactilesoundtestsrc_suite(void)
-{
-  Suite *suite = suite_create("tactilesoundtestsrc");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_channels);
-  tcase_add_test(tc, test_seek);
-  tcase_add_test(tc, test_truth);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactilesoundtestsrc);
+CHECK_MAIN(tactilesoundtestsrc)

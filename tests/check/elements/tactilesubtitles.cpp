@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 
@@ -107,7 +107,7 @@ using Levels = std::vector<int>;
 } // namespace
 
 /// Each frame gets the map of the cue during which it begins, else a silent one. Nothing is drawn.
-GST_START_TEST(test_track)
+CHECK_TEST(test_track)
 {
   Subtitles s;
   fail_unless(s.levels_at(0) == Levels{}); // nothing is known yet
@@ -122,10 +122,9 @@ GST_START_TEST(test_track)
   fail_unless(s.levels_at(1220) == (Levels{ 1, 2, 3, 4 }));
   fail_unless(s.levels_at(1240) == (Levels{ 0, 0, 0, 0 }));
 }
-GST_END_TEST;
 
 /// A cue without a frame does not block. Later cues still apply at their own times.
-GST_START_TEST(test_late_cue)
+CHECK_TEST(test_late_cue)
 {
   Subtitles s;
   s.push_cue("1", 0, 40);
@@ -133,10 +132,9 @@ GST_START_TEST(test_late_cue)
   s.push_cue("2", 40, 400);
   fail_unless(s.levels_at(240) == Levels{ 2 });
 }
-GST_END_TEST;
 
 /// Subtitles that begin with words are drawn, including numbers. Frames get no map.
-GST_START_TEST(test_words)
+CHECK_TEST(test_words)
 {
   Subtitles s("pango-markup");
   s.push_cue("Who is there?", 0, 400);
@@ -147,10 +145,9 @@ GST_START_TEST(test_words)
   fail_unless(s.draws_at(840));
   fail_unless(s.levels_at(880) == Levels{});
 }
-GST_END_TEST;
 
 /// Words within a track are drawn.
-GST_START_TEST(test_remark)
+CHECK_TEST(test_remark)
 {
   Subtitles s;
   s.push_cue("1 2", 0, 40);
@@ -159,10 +156,9 @@ GST_START_TEST(test_remark)
   fail_unless(s.draws_at(80));
   fail_unless(s.levels_at(120) == (Levels{ 0, 0 }));
 }
-GST_END_TEST;
 
 /// What tactile-track refuses is not drawn, and warned of once.
-GST_START_TEST(test_fault)
+CHECK_TEST(test_fault)
 {
   for (const char *fault : { "1 101", "1 2 3\n4", "1 O", "2nd impact", "1,2" }) {
     Subtitles s;
@@ -178,10 +174,9 @@ GST_START_TEST(test_fault)
     fail_unless(warning != nullptr && second == nullptr, "%s", fault);
   }
 }
-GST_END_TEST;
 
 /// Gaps with packets, as from tactileklvdec, are cues with the packets' durations.
-GST_START_TEST(test_packets)
+CHECK_TEST(test_packets)
 {
   Subtitles s;
   tactile::TactileMap map(1, 2);
@@ -199,10 +194,9 @@ GST_START_TEST(test_packets)
   fail_unless(s.levels_at(2000) == (Levels{ 25, 75 }));
   fail_unless(s.levels_at(2040) == (Levels{ 0, 0 }));
 }
-GST_END_TEST;
 
 /// Times are running times: the track's segment may differ from the film's.
-GST_START_TEST(test_segments)
+CHECK_TEST(test_segments)
 {
   Subtitles s;
   GstSegment segment;
@@ -216,7 +210,6 @@ GST_START_TEST(test_segments)
   fail_unless(s.levels_at(40) == Levels{ 2 });
   fail_unless(s.levels_at(80) == Levels{ 0 });
 }
-GST_END_TEST;
 
 namespace {
 
@@ -277,7 +270,7 @@ frames_unlike_track(gdouble rate, const std::vector<std::size_t> &order)
 } // namespace
 
 /// At any rate, forwards and backwards, each frame has the track's level at its time.
-GST_START_TEST(test_rates)
+CHECK_LOOP_TEST(test_rates, 0, 5)
 {
   const gdouble rates[] = { 1, -1, -0.3, -1.5, -7 };
   const gdouble rate = rates[__i__];
@@ -292,10 +285,9 @@ GST_START_TEST(test_rates)
   ck_assert_int_eq(frames_unlike_track(rate, backwards), 0);
   ck_assert_int_eq(frames_unlike_track(rate, in_groups), 0);
 }
-GST_END_TEST;
 
 /// A flush discards cues. A new stream starts without assumptions.
-GST_START_TEST(test_flush_and_other_subtitles)
+CHECK_TEST(test_flush_and_other_subtitles)
 {
   Subtitles s;
   s.push_cue("1", 0, 40);
@@ -312,7 +304,6 @@ GST_START_TEST(test_flush_and_other_subtitles)
   s.push_cue("Hello", 80, 800);
   fail_unless(s.levels_at(120) == Levels{});
 }
-GST_END_TEST;
 
 namespace {
 
@@ -337,7 +328,7 @@ begin_at(GstHarness *harness, const gchar *stream, GstClockTime ms)
 
 /// A track beside a film counts from the film's 0:00, also after a seek, by which players send it
 /// to the time that they show, 740 ms from there.
-GST_START_TEST(test_track_beside_a_clocked_film)
+CHECK_TEST(test_track_beside_a_clocked_film)
 {
   Subtitles s;
   begin_at(s.film, "film:1/00000041", 740);
@@ -367,10 +358,9 @@ GST_START_TEST(test_track_beside_a_clocked_film)
   fail_unless(later_maps(before) == nullptr);
   fail_unless(s.levels_at(5760) == Levels{ 20 });
 }
-GST_END_TEST;
 
 /// One in its file has the times of its frames.
-GST_START_TEST(test_track_in_a_clocked_film)
+CHECK_TEST(test_track_in_a_clocked_film)
 {
   Subtitles s;
   begin_at(s.film, "film:1/00000041", 740);
@@ -383,10 +373,9 @@ GST_START_TEST(test_track_in_a_clocked_film)
   s.push_cue("20", 5000, 5400);
   fail_unless(s.levels_at(5000) == Levels{ 20 });
 }
-GST_END_TEST;
 
 /// The chair gets what begins or ends within a frame at its own time.
-GST_START_TEST(test_cues_within_a_frame)
+CHECK_TEST(test_cues_within_a_frame)
 {
   Subtitles subtitles;
   subtitles.push_cue("50 0", 90, 110);
@@ -405,21 +394,19 @@ GST_START_TEST(test_cues_within_a_frame)
   g_autoptr(GstBuffer) next = subtitles.play_frame(120);
   fail_unless_equals_int(gst_buffer_list_length(later_maps(next)), 1);
 }
-GST_END_TEST;
 
 /// By the frame rate.
-GST_START_TEST(test_frame_without_a_duration)
+CHECK_TEST(test_frame_without_a_duration)
 {
   Subtitles subtitles;
   subtitles.push_cue("50", 10, 30);
   g_autoptr(GstBuffer) frame = subtitles.play_frame(0, GST_CLOCK_TIME_NONE);
   fail_unless_equals_int(gst_buffer_list_length(later_maps(frame)), 2);
 }
-GST_END_TEST;
 
 /// A still picture has a thousand maps, and no motor stays on after them. Among cues that overlap
 /// the track's later one counts.
-GST_START_TEST(test_many_cues_within_a_frame)
+CHECK_TEST(test_many_cues_within_a_frame)
 {
   Subtitles subtitles;
   subtitles.push_cue("9", 0, 360'000'000);
@@ -436,29 +423,5 @@ GST_START_TEST(test_many_cues_within_a_frame)
   fail_unless(subtitles.levels_at(3000) == Levels{ 50 });
   fail_unless(subtitles.levels_at(4001) == Levels{ 9 });
 }
-GST_END_TEST;
 
-static Suite *
-tactilesubtitles_suite()
-{
-  Suite *s = suite_create("tactilesubtitles");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(s, cases);
-  tcase_add_test(cases, test_cues_within_a_frame);
-  tcase_add_test(cases, test_frame_without_a_duration);
-  tcase_add_test(cases, test_many_cues_within_a_frame);
-  tcase_add_test(cases, test_track);
-  tcase_add_test(cases, test_late_cue);
-  tcase_add_test(cases, test_words);
-  tcase_add_test(cases, test_remark);
-  tcase_add_test(cases, test_fault);
-  tcase_add_test(cases, test_packets);
-  tcase_add_test(cases, test_segments);
-  tcase_add_test(cases, test_track_beside_a_clocked_film);
-  tcase_add_test(cases, test_track_in_a_clocked_film);
-  tcase_add_loop_test(cases, test_rates, 0, 5);
-  tcase_add_test(cases, test_flush_and_other_subtitles);
-  return s;
-}
-
-GST_CHECK_MAIN(tactilesubtitles);
+CHECK_MAIN(tactilesubtitles)

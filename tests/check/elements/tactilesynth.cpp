@@ -12,7 +12,9 @@
 #include "support/unwrap.h"
 #include "tactor/command_trace.h"
 
-GST_START_TEST(test_carriers)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_carriers)
 {
   Harness synth(kPlain + std::string("frequency=40,100"), 1, 2, sound_caps(2));
   synth.repeat({ 1, 0.5 }, 40);
@@ -26,9 +28,8 @@ GST_START_TEST(test_carriers)
     fail_unless_near(spectrum[100], channel == 0 ? 0 : 0.5, 1e-4);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_envelope_is_at_the_frame)
+CHECK_TEST(test_envelope_is_at_the_frame)
 {
   const Ones ones;
   for (const int rate : { 8000, 44100, 48000, 192000 }) {
@@ -57,9 +58,8 @@ GST_START_TEST(test_envelope_is_at_the_frame)
     ck_assert_int_eq(synth.discontinuities, 1);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exact_times)
+CHECK_TEST(test_exact_times)
 {
   // Frames of a third of a second at 44.1 kHz, an hour after the begin of the stream.
   Harness synth(kPlain, 1, 1, sound_caps(1, ",rate=44100"));
@@ -74,9 +74,8 @@ GST_START_TEST(test_exact_times)
   fail_unless_equals_uint64(synth.next, *synth.first + length);
   fail_unless_within(synth.next, hour + 100 * GST_SECOND + 2 * kHalfRamp, GST_MSECOND);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_clicks)
+CHECK_TEST(test_no_clicks)
 {
   Harness synth(kPlain, 1, 1, sound_caps(1));
   for (int i = 0; i < 12; i++)
@@ -86,9 +85,8 @@ GST_START_TEST(test_no_clicks)
   fail_unless_at_most(strongest_outside(synth.samples, kRate, -1, 260), -60);
   fail_unless(spectrum_of(synth.samples)[30] > 0.3); // bins of 2 Hz
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rise_time)
+CHECK_TEST(test_rise_time)
 {
   const Ones ones;
   Harness synth("tactilesynth rise-time=100000000 ramp-in=0 " + ones.properties(), 1, 1,
@@ -99,9 +97,8 @@ GST_START_TEST(test_rise_time)
   fail_unless_within(synth.reaches(0.4F, 0), 300 * GST_MSECOND, GST_MSECOND);
   fail_unless_within(synth.reaches(0.4F, 400 * GST_MSECOND, true), 800 * GST_MSECOND, GST_MSECOND);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   for (const bool live : { false, true }) {
     Harness synth("tactilesynth rise-time=50000000", 1, 1, sound_caps(1));
@@ -123,9 +120,8 @@ GST_START_TEST(test_latency)
     fail_unless_within(synth.next, 400 * GST_MSECOND - 50 * GST_MSECOND - kHalfRamp, GST_MSECOND);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mute_and_intensity)
+CHECK_TEST(test_mute_and_intensity)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -140,10 +136,9 @@ GST_START_TEST(test_mute_and_intensity)
   for (guint i = 0; i < 4; i++)
     fail_unless_near(synth.at((i * 400 + 300) * GST_MSECOND), expected[i], 1e-6);
 }
-GST_END_TEST;
 
 /// In the middle of a long map, too.
-GST_START_TEST(test_mute_acts_at_once)
+CHECK_LOOP_TEST(test_mute_acts_at_once, 0, 2)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -166,9 +161,8 @@ GST_START_TEST(test_mute_acts_at_once)
   fail_unless_near(synth.at(990 * GST_MSECOND), 0.8, 1e-6);
   fail_unless_near(synth.at(1060 * GST_MSECOND), 0, 1e-6); // a buffer and a ramp later
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   const Ones ones;
   Harness synth("tactilesynth rise-time=0 max-on-time=500000000 max-active=1 " + ones.properties(),
@@ -179,10 +173,9 @@ GST_START_TEST(test_limits)
   fail_unless_near(synth.at(400 * GST_MSECOND, 2, 1), 0, 1e-6);
   fail_unless_near(synth.at(550 * GST_MSECOND, 2, 0), 0, 1e-6);
 }
-GST_END_TEST;
 
 /// The trace has the same changes at the same times as the sound, and what they are early for.
-GST_START_TEST(test_trace)
+CHECK_TEST(test_trace)
 {
   const TemporaryFile file;
   const Ones ones;
@@ -211,9 +204,8 @@ GST_START_TEST(test_trace)
     fail_unless_near(command.volts, expected[i].volts, 1e-3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_settings)
+CHECK_TEST(test_wrong_settings)
 {
   assert_contains(refusal("tactilesynth frequency=0.5"),
                   { "frequency cannot be read: entry 1 is '0.5'; expected 1 to 1000" });
@@ -241,9 +233,8 @@ GST_START_TEST(test_wrong_settings)
   gst_element_set_state(element, GST_STATE_NULL);
   gst_object_unref(element);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_map)
+CHECK_TEST(test_wrong_map)
 {
   Harness synth(kPlain, 2, 2, sound_caps(2));
   fail_unless_equals_int(synth.push({ 1, 1, 1 }, 0), GST_FLOW_ERROR);
@@ -251,9 +242,8 @@ GST_START_TEST(test_wrong_map)
   fail_unless(said.has_value());
   assert_contains(said->details, { "expected 2 x 2 float32 levels, got 12 bytes" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nothing_before_the_end)
+CHECK_TEST(test_nothing_before_the_end)
 {
   Harness synth(kPlain, 1, 1, sound_caps(1));
   synth.end();
@@ -261,29 +251,5 @@ GST_START_TEST(test_nothing_before_the_end)
   g_autoptr(GstEvent) event = synth.last_event(GST_EVENT_EOS);
   fail_unless(event != nullptr);
 }
-GST_END_TEST;
 
-static Suite *
-tactilesynth_suite(void)
-{
-  Suite *suite = suite_create("tactilesynth");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_carriers);
-  tcase_add_test(tcase, test_envelope_is_at_the_frame);
-  tcase_add_test(tcase, test_exact_times);
-  tcase_add_test(tcase, test_no_clicks);
-  tcase_add_test(tcase, test_rise_time);
-  tcase_add_test(tcase, test_latency);
-  tcase_add_test(tcase, test_mute_and_intensity);
-  tcase_add_loop_test(tcase, test_mute_acts_at_once, 0, 2);
-  tcase_add_test(tcase, test_limits);
-  tcase_add_test(tcase, test_trace);
-  tcase_add_test(tcase, test_wrong_settings);
-  tcase_add_test(tcase, test_wrong_map);
-  tcase_add_test(tcase, test_nothing_before_the_end);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactilesynth);
+CHECK_MAIN(tactilesynth)

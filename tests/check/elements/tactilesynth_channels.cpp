@@ -15,7 +15,9 @@
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
 
-GST_START_TEST(test_channels)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_channels)
 {
   const Ones ones;
   // As many as there are cells, where downstream leaves it open.
@@ -44,7 +46,6 @@ GST_START_TEST(test_channels)
   for (std::size_t i = 0; i < 64; i++)
     fail_unless_near(synth.at(100 * GST_MSECOND, 64, i), i == 5 ? 1 : 0, 1e-6);
 }
-GST_END_TEST;
 
 /// What channels play of a map of 3 × 3 whose cell i has the level (i + 1) / 10, in tenths.
 static std::string
@@ -60,7 +61,7 @@ tenths(Harness &synth, std::size_t channels)
   return text;
 }
 
-GST_START_TEST(test_positions)
+CHECK_TEST(test_positions)
 {
   const Ones ones;
   const struct
@@ -91,9 +92,8 @@ GST_START_TEST(test_positions)
     fail_unless(!synth.said(GST_MESSAGE_INFO)); // once
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping)
+CHECK_TEST(test_mapping)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties() + "mapping=1,-1,0,1,1,1,3,-1,-1", 3, 3, "audio/x-raw");
@@ -109,9 +109,8 @@ GST_START_TEST(test_mapping)
     assert_contains(said->details, { "channel 0: 0,1,3,4,6,7; channel 1: 1,2,4,5,7,8" });
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_formats_are_refused)
+CHECK_TEST(test_other_formats_are_refused)
 {
   for (const char *caps : { "audio/x-raw,format=S16LE", "audio/x-raw,rate=4000",
                             "audio/x-raw,channels=65", "audio/x-raw,layout=non-interleaved" }) {
@@ -119,9 +118,8 @@ GST_START_TEST(test_other_formats_are_refused)
     fail_unless_equals_int(synth.push({ 1 }, 0), GST_FLOW_NOT_NEGOTIATED);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_change)
+CHECK_TEST(test_caps_change)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -143,9 +141,8 @@ GST_START_TEST(test_caps_change)
   fail_unless_near(synth.samples.back(), 0.5, 1e-6);
   fail_unless_near(synth.samples[synth.samples.size() - 2], 0.0, 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_calibration)
+CHECK_TEST(test_calibration)
 {
   // Channel 1 vibrates twice as much at the same volts, so that it gets half as many. Channel 0
   // takes 80 ms and 20 ms on the way, channel 1 40 ms, and channel 2 was not measured.
@@ -183,7 +180,6 @@ GST_START_TEST(test_calibration)
     fail_unless_within(when, begins[channel] * GST_MSECOND, GST_MSECOND);
   }
 }
-GST_END_TEST;
 
 /// The amplitude of a sine in a second of a channel, from 250 ms on.
 static double
@@ -195,7 +191,7 @@ amplitude_of(const Harness &synth, std::size_t channels, std::size_t channel, st
   return spectrum_of(own)[hertz];
 }
 
-GST_START_TEST(test_gain_and_equalizer)
+CHECK_TEST(test_gain_and_equalizer)
 {
   // Channel 0 has a gain, channel 1 an equalizer as well, and channel 2 no group. A square has all
   // odd harmonics: what the equalizer makes of each is known.
@@ -223,9 +219,8 @@ GST_START_TEST(test_gain_and_equalizer)
   plain.repeat({ 0.5 }, 40);
   fail_unless_near(first / amplitude_of(plain, 1, 0, 60), std::pow(10, -6.0 / 20) * gain(60), 1e-3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_calibration_without_rise_times)
+CHECK_TEST(test_calibration_without_rise_times)
 {
   // A group of a gain alone is a shaker of rise-time's, and no coin motor.
   const Ones ones;
@@ -239,9 +234,8 @@ GST_START_TEST(test_calibration_without_rise_times)
   fail_unless_near(synth.at(600 * GST_MSECOND), 0.05, 1e-4);
   fail_unless_within(synth.reaches(0.025F, 0), 300 * GST_MSECOND, GST_MSECOND);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limiter)
+CHECK_TEST(test_limiter)
 {
   // Twice the amplitude: what a level of 0.8 would be beyond full scale is at full scale, whole.
   const TemporaryFile file("[Calibration]\nversion=1\n[Tactor 0]\n"
@@ -259,7 +253,6 @@ GST_START_TEST(test_limiter)
     assert_contains(said->details, { "full scale of channel 0 at 50 % of the strongest level" });
   }
 }
-GST_END_TEST;
 
 /// A WAVE file of a sine, `rounds` in a loop of a second.
 static std::string
@@ -278,7 +271,7 @@ sine_file(int rounds, double amplitude)
   return bytes;
 }
 
-GST_START_TEST(test_own_sample_of_each_channel)
+CHECK_TEST(test_own_sample_of_each_channel)
 {
   const TemporaryFolder folder;
   const std::string first = folder.file("first.wav", sine_file(40, 1));
@@ -298,26 +291,5 @@ GST_START_TEST(test_own_sample_of_each_channel)
   gst_harness_get(synth.h, "tactilesynth", "sample", &unset, nullptr);
   fail_unless(unset == nullptr);
 }
-GST_END_TEST;
 
-static Suite *
-tactilesynth_channels_suite(void)
-{
-  Suite *suite = suite_create("tactilesynth_channels");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_channels);
-  tcase_add_test(tcase, test_positions);
-  tcase_add_test(tcase, test_mapping);
-  tcase_add_test(tcase, test_other_formats_are_refused);
-  tcase_add_test(tcase, test_caps_change);
-  tcase_add_test(tcase, test_calibration);
-  tcase_add_test(tcase, test_gain_and_equalizer);
-  tcase_add_test(tcase, test_calibration_without_rise_times);
-  tcase_add_test(tcase, test_limiter);
-  tcase_add_test(tcase, test_own_sample_of_each_channel);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactilesynth_channels);
+CHECK_MAIN(tactilesynth_channels)

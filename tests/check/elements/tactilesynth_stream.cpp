@@ -4,7 +4,9 @@
 
 #include "support/synth_harness.h"
 
-GST_START_TEST(test_gaps)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_gaps)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -36,9 +38,8 @@ GST_START_TEST(test_gaps)
   fail_unless_equals_float(synth.samples.back(), 0);
   ck_assert_int_eq(synth.discontinuities, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_long_silence_is_a_gap)
+CHECK_TEST(test_long_silence_is_a_gap)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -60,9 +61,8 @@ GST_START_TEST(test_long_silence_is_a_gap)
   synth.push({ 1 }, 1000000000 * GST_SECOND + kFrame);
   fail_unless_near(synth.samples.back(), 1, 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush)
+CHECK_TEST(test_flush)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -82,9 +82,8 @@ GST_START_TEST(test_flush)
   fail_unless_equals_uint64(gst_segment_to_stream_time(segment, GST_FORMAT_TIME, GST_SECOND),
                             11 * GST_SECOND);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rates)
+CHECK_TEST(test_rates)
 {
   const Ones ones;
   for (const double rate : { 2.0, 0.5, -1.0, -2.0 }) {
@@ -110,9 +109,8 @@ GST_START_TEST(test_rates)
                        rate > 0 ? 0 : 30 * GST_MSECOND);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_segment_without_flush)
+CHECK_TEST(test_segment_without_flush)
 {
   // The second file of a playlist: running time goes on.
   const Ones ones;
@@ -134,9 +132,8 @@ GST_START_TEST(test_segment_without_flush)
   fail_unless_within(gst_segment_to_stream_time(sent, GST_FORMAT_TIME, 1500 * GST_MSECOND),
                      500 * GST_MSECOND, 10 * GST_MSECOND);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_clipped_by_the_segment)
+CHECK_TEST(test_clipped_by_the_segment)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -149,11 +146,10 @@ GST_START_TEST(test_clipped_by_the_segment)
   fail_unless_equals_int(synth.push({ 1 }, 11 * GST_SECOND), GST_FLOW_OK);
   ck_assert_int_eq(synth.samples.size(), there);
 }
-GST_END_TEST;
 
 /// The pad's offset puts a second of the stream before the pipeline's zero: it is not heard, and
 /// does not put off what follows.
-GST_START_TEST(test_negative_running_time)
+CHECK_TEST(test_negative_running_time)
 {
   const Ones ones;
   Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
@@ -172,23 +168,5 @@ GST_START_TEST(test_negative_running_time)
   fail_unless_within(synth.reaches(0.25F, 200 * GST_MSECOND, true), 400 * GST_MSECOND,
                      5 * GST_MSECOND);
 }
-GST_END_TEST;
 
-static Suite *
-tactilesynth_stream_suite(void)
-{
-  Suite *suite = suite_create("tactilesynth_stream");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_gaps);
-  tcase_add_test(tcase, test_long_silence_is_a_gap);
-  tcase_add_test(tcase, test_flush);
-  tcase_add_test(tcase, test_rates);
-  tcase_add_test(tcase, test_segment_without_flush);
-  tcase_add_test(tcase, test_clipped_by_the_segment);
-  tcase_add_test(tcase, test_negative_running_time);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactilesynth_stream);
+CHECK_MAIN(tactilesynth_stream)

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A region of interest on a ball.
@@ -130,7 +132,7 @@ make_harness(const gchar *launch, const gchar *caps)
 
 } // namespace
 
-GST_START_TEST(test_defaults)
+CHECK_TEST(test_defaults)
 {
   GstHarness *h = gst_harness_new_parse("tactiletestsrc num-buffers=2");
   gst_harness_set_sink_caps_str(h, "ANY");
@@ -150,9 +152,8 @@ GST_START_TEST(test_defaults)
   gst_caps_unref(caps);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_same_seed_same_film)
+CHECK_TEST(test_same_seed_same_film)
 {
   for (const std::string pattern : { "pattern=static-motion", "pattern=dynamic-motion" }) {
     const auto film_frames = play(pattern + " seed=3 noise=2 num-buffers=60");
@@ -164,9 +165,8 @@ GST_START_TEST(test_same_seed_same_film)
   fail_if(play("seed=3 num-buffers=60") == play("seed=3 num-buffers=60 pattern=dynamic-motion"));
   fail_if(play("seed=3 num-buffers=60") == play("seed=3 num-buffers=60 ball-size=0.2"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_targets_are_where_the_balls_are)
+CHECK_TEST(test_targets_are_where_the_balls_are)
 {
   const GstVideoFormat format = GST_VIDEO_FORMAT_GRAY8;
   for (const std::string pattern : { "static-motion", "dynamic-motion" })
@@ -220,9 +220,8 @@ GST_START_TEST(test_targets_are_where_the_balls_are)
       fail_unless(checked >= 190, "%d", checked);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_onsets)
+CHECK_TEST(test_onsets)
 {
   for (const std::string pattern : { "static-motion", "dynamic-motion" }) {
     const auto frames = play("num-buffers=1500 balls=1 pattern=" + pattern,
@@ -255,9 +254,8 @@ GST_START_TEST(test_onsets)
     fail_unless(events >= 5, "%d", events);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_motion_at_any_frame_rate)
+CHECK_TEST(test_motion_at_any_frame_rate)
 {
   const auto slow = play("pattern=dynamic-motion num-buffers=40",
                          "video/x-raw,format=GRAY8,width=160,height=120,framerate=10/1");
@@ -285,7 +283,6 @@ GST_START_TEST(test_motion_at_any_frame_rate)
   for (std::size_t i = 0; i < ntsc.order.size(); i++)
     fail_unless_equals_uint64(ntsc.order[i], gst_util_uint64_scale(i, 1001 * GST_SECOND, 30000));
 }
-GST_END_TEST;
 
 static void
 seek(TestSource &film, gdouble rate, GstClockTime start, GstClockTime stop)
@@ -297,7 +294,7 @@ seek(TestSource &film, gdouble rate, GstClockTime start, GstClockTime stop)
   film.play_to_the_end();
 }
 
-GST_START_TEST(test_seek_equals_direct_play)
+CHECK_TEST(test_seek_equals_direct_play)
 {
   const std::string properties = "pattern=dynamic-motion seed=9 noise=1";
   const auto direct = play(properties + " num-buffers=150");
@@ -318,9 +315,8 @@ GST_START_TEST(test_seek_equals_direct_play)
   seek(fast, 2.0, 2 * GST_SECOND, 3 * GST_SECOND);
   fail_unless_equals_int(fast.order.size(), 30);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_backwards)
+CHECK_TEST(test_backwards)
 {
   const std::string properties = "pattern=dynamic-motion seed=9";
   const auto direct = play(properties + " num-buffers=150");
@@ -339,9 +335,8 @@ GST_START_TEST(test_backwards)
   fail_unless_equals_int(whole.order.size(), 15);
   fail_unless_equals_uint64(whole.order.back(), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_duration)
+CHECK_TEST(test_duration)
 {
   TestSource film("num-buffers=75", "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1");
   change_state(film.pipeline, GST_STATE_PAUSED);
@@ -354,9 +349,8 @@ GST_START_TEST(test_duration)
   fail_if(gst_element_query_duration(endless.pipeline, GST_FORMAT_TIME, &duration)
           && duration >= 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_formats_show_the_same)
+CHECK_TEST(test_formats_show_the_same)
 {
   // Every format against RGB, by GStreamer's own converter. Chroma subsampling changes edges.
   for (const auto &[width, height] : { std::pair{ 64, 48 }, { 65, 47 }, { 1300, 720 } })
@@ -395,9 +389,8 @@ GST_START_TEST(test_formats_show_the_same)
                   "%s %d: %zu of %zu", format.c_str(), width, far, colored);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_colors)
+CHECK_TEST(test_colors)
 {
   // R'G'B' 119 for each matrix and range, by hand: gray has no chroma, and Y' = 16 + 219 · 119/255
   // = 118.2.
@@ -412,9 +405,8 @@ GST_START_TEST(test_colors)
   const auto frames = play("num-buffers=1", "video/x-raw,format=I420,width=8,height=8");
   fail_unless_equals_int(frames.begin()->second.bytes[8 * 8], 128);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise)
+CHECK_TEST(test_noise)
 {
   const auto still = play("noise=4 num-buffers=2", "video/x-raw,format=GRAY8,width=512,height=256");
   const auto plain = play("num-buffers=1", "video/x-raw,format=GRAY8,width=512,height=256");
@@ -436,9 +428,8 @@ GST_START_TEST(test_noise)
   const double covariance = product / static_cast<double>(earlier.size());
   fail_unless(std::abs(covariance) < 0.2, "%g", covariance); // independent from frame to frame
 }
-GST_END_TEST;
 
-GST_START_TEST(test_any_size)
+CHECK_TEST(test_any_size)
 {
   for (const auto &[width, height] :
        { std::pair{ 1, 1 }, { 1, 7 }, { 7, 1 }, { 3, 3 }, { 1921, 17 } })
@@ -454,9 +445,8 @@ GST_START_TEST(test_any_size)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_renegotiation)
+CHECK_TEST(test_renegotiation)
 {
   // A change of the frame rate does not move the film's time.
   TestSource film(
@@ -484,9 +474,8 @@ GST_START_TEST(test_renegotiation)
   fail_unless(large >= 14);
   gst_object_unref(filter);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_properties_while_playing)
+CHECK_TEST(test_properties_while_playing)
 {
   TestSource film("balls=1 num-buffers=20",
                   "video/x-raw,format=GRAY8,width=200,height=200,framerate=1/2");
@@ -515,9 +504,8 @@ GST_START_TEST(test_properties_while_playing)
   fail_unless(pattern == 1 && seed == 8 && count == 2 && noise == 3.0 && size == 0.2 && !live);
   gst_object_unref(source);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_live_by_the_clock)
+CHECK_TEST(test_live_by_the_clock)
 {
   GstHarness *h = gst_harness_new_parse("tactiletestsrc is-live=true");
   gst_harness_set_sink_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=10/1");
@@ -532,9 +520,8 @@ GST_START_TEST(test_live_by_the_clock)
   fail_unless_equals_uint64(gst_clock_get_time(GST_ELEMENT_CLOCK(h->element)), 200 * GST_MSECOND);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_absurd_size)
+CHECK_TEST(test_absurd_size)
 {
   GstElement *pipeline = make_pipeline(
       "tactiletestsrc ! video/x-raw,format=BGRx,width=2147483647,height=2147483647 ! fakesink");
@@ -547,31 +534,5 @@ GST_START_TEST(test_absurd_size)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-tactiletestsrc_suite(void)
-{
-  Suite *suite = suite_create("tactiletestsrc");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_defaults);
-  tcase_add_test(tests, test_same_seed_same_film);
-  tcase_add_test(tests, test_targets_are_where_the_balls_are);
-  tcase_add_test(tests, test_onsets);
-  tcase_add_test(tests, test_motion_at_any_frame_rate);
-  tcase_add_test(tests, test_seek_equals_direct_play);
-  tcase_add_test(tests, test_backwards);
-  tcase_add_test(tests, test_duration);
-  tcase_add_test(tests, test_formats_show_the_same);
-  tcase_add_test(tests, test_colors);
-  tcase_add_test(tests, test_noise);
-  tcase_add_test(tests, test_any_size);
-  tcase_add_test(tests, test_renegotiation);
-  tcase_add_test(tests, test_properties_while_playing);
-  tcase_add_test(tests, test_live_by_the_clock);
-  tcase_add_test(tests, test_absurd_size);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactiletestsrc)
+CHECK_MAIN(tactiletestsrc)

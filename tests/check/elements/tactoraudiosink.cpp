@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// Maps of 1 × 2 at 25 frames a second: silent, but in [begin, end).
@@ -114,7 +116,7 @@ constexpr const char *kHeard = "audio-sink=\"appsink name=heard sync=false\" ";
 
 } // namespace
 
-GST_START_TEST(test_channels)
+CHECK_TEST(test_channels)
 {
   const struct
   {
@@ -137,9 +139,8 @@ GST_START_TEST(test_channels)
       fail_unless_near(peak_of(heard, i), card.peaks[i], 1e-3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silent_at_the_end)
+CHECK_TEST(test_silent_at_the_end)
 {
   // The last map vibrates. All that follows is its ramp.
   const Film film(kHeard, 5, 25, 25);
@@ -150,9 +151,8 @@ GST_START_TEST(test_silent_at_the_end)
               && heard.end <= GST_SECOND + 20 * GST_MSECOND);
   wait_for_eos(film.pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_converts)
+CHECK_TEST(test_converts)
 {
   // A card of 16 bits and another rate hears the carrier at its time, from 0.2 to 0.8 s: nothing is
   // resampled.
@@ -182,9 +182,8 @@ GST_START_TEST(test_converts)
   fail_unless(strongest(0.78, 0.8) > 0.9);
   fail_unless_at_most(strongest(0.8061, 1), kDither);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_properties_are_those_of_tactilesynth)
+CHECK_TEST(test_properties_are_those_of_tactilesynth)
 {
   GstElement *bin = gst_element_factory_make("tactoraudiosink", nullptr);
   g_autoptr(GstElement) synth = gst_bin_get_by_name(GST_BIN(bin), "synth");
@@ -214,9 +213,8 @@ GST_START_TEST(test_properties_are_those_of_tactilesynth)
   fail_unless(mute);
   gst_object_unref(bin);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sink_is_replaced)
+CHECK_TEST(test_sink_is_replaced)
 {
   Film film(kHeard, 5, 20, 25);
   hear(film);
@@ -231,9 +229,8 @@ GST_START_TEST(test_sink_is_replaced)
   fail_unless(got == after);
   gst_object_unref(got);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unusable_sink)
+CHECK_TEST(test_unusable_sink)
 {
   GstElement *bin = gst_element_factory_make("tactoraudiosink", nullptr);
   g_object_set(bin, "audio-sink", gst_element_factory_make("filesrc", "no-sink"), nullptr);
@@ -252,9 +249,8 @@ GST_START_TEST(test_unusable_sink)
   ck_assert_str_eq(G_OBJECT_TYPE_NAME(usual), "GstAutoAudioSink");
   gst_object_unref(bin);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_latency_of_a_live_source)
+CHECK_TEST(test_latency_of_a_live_source)
 {
   // A live source: the picture's sink and this one are delayed by what the lead takes.
   g_autoptr(GstElement) pipeline = make_pipeline(
@@ -270,9 +266,8 @@ GST_START_TEST(test_latency_of_a_live_source)
     fail_unless(gst_base_sink_get_latency(GST_BASE_SINK(sink)) >= 106 * GST_MSECOND);
   gst_element_set_state(pipeline, GST_STATE_NULL);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seeks)
+CHECK_TEST(test_seeks)
 {
   // A film is sought while it plays, and paused: the sink prerolls each time and ends.
   g_autoptr(GstElement) pipeline = make_pipeline(
@@ -315,24 +310,5 @@ GST_START_TEST(test_seeks)
   wait_for_eos(pipeline);
   gst_element_set_state(pipeline, GST_STATE_NULL);
 }
-GST_END_TEST;
 
-static Suite *
-tactoraudiosink_suite(void)
-{
-  Suite *suite = suite_create("tactoraudiosink");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_channels);
-  tcase_add_test(tcase, test_silent_at_the_end);
-  tcase_add_test(tcase, test_converts);
-  tcase_add_test(tcase, test_properties_are_those_of_tactilesynth);
-  tcase_add_test(tcase, test_sink_is_replaced);
-  tcase_add_test(tcase, test_unusable_sink);
-  tcase_add_test(tcase, test_latency_of_a_live_source);
-  tcase_add_test(tcase, test_seeks);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactoraudiosink);
+CHECK_MAIN(tactoraudiosink)

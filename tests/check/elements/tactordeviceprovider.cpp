@@ -14,7 +14,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactor::DriverError;
 using tactor::SerialDevice;
@@ -218,7 +218,7 @@ sink_device(GstDevice *device, const char *expected_driver = "firmata")
 
 } // namespace
 
-GST_START_TEST(test_probe)
+CHECK_TEST(test_probe)
 {
   ProviderRig rig;
   fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
@@ -249,11 +249,10 @@ GST_START_TEST(test_probe)
   same(property(clone, "device.transport"), "ch340");
   free_devices(devices);
 }
-GST_END_TEST;
 
 /// The device's tactorsink names the serial number, or the socket if there is none or two boards
 /// share it.
-GST_START_TEST(test_create_element)
+CHECK_TEST(test_create_element)
 {
   ProviderRig rig;
   SerialDevice twin = kMega;
@@ -274,10 +273,9 @@ GST_START_TEST(test_create_element)
   same(sink_device(GST_DEVICE(devices->next->data)), "3-1");
   free_devices(devices);
 }
-GST_END_TEST;
 
 /// Boards present at the start are listed at once. Later changes give messages.
-GST_START_TEST(test_plugging)
+CHECK_TEST(test_plugging)
 {
   ProviderRig rig;
   rig.sockets.plug({ kMega });
@@ -318,10 +316,9 @@ GST_START_TEST(test_plugging)
     gst_object_unref(device);
   }
 }
-GST_END_TEST;
 
 /// While two boards have the same serial number, both are named by their sockets.
-GST_START_TEST(test_twin_comes_later)
+CHECK_TEST(test_twin_comes_later)
 {
   ProviderRig rig;
   SerialDevice twin = kMega;
@@ -353,10 +350,9 @@ GST_START_TEST(test_twin_comes_later)
   for (GstDevice *device : { first, second, changed, removed, alone })
     gst_object_unref(device);
 }
-GST_END_TEST;
 
 /// Can be stopped and started again. The last reference stops it, too.
-GST_START_TEST(test_stop_and_start)
+CHECK_TEST(test_stop_and_start)
 {
   ProviderRig rig;
   for (int i = 0; i < 3; i++) {
@@ -372,9 +368,8 @@ GST_START_TEST(test_stop_and_start)
   fail_unless(gst_device_provider_start(rig.provider));
   fail_unless(gst_bus_pop(rig.bus) == nullptr);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_broken_bus)
+CHECK_TEST(test_broken_bus)
 {
   ProviderRig rig;
   rig.sockets.plug({ kMega });
@@ -396,10 +391,9 @@ GST_START_TEST(test_broken_bus)
   gst_object_unref(clone);
   gst_device_provider_stop(rig.provider);
 }
-GST_END_TEST;
 
 /// A thread plugs boards in and out while another one lists them and then stops the provider.
-GST_START_TEST(test_many_changes)
+CHECK_TEST(test_many_changes)
 {
   ProviderRig rig;
   SerialDevice last = kMega;
@@ -444,7 +438,6 @@ GST_START_TEST(test_many_changes)
   gst_device_provider_stop(rig.provider);
   gst_object_unref(there[0]);
 }
-GST_END_TEST;
 
 static void
 register_tactorsink(void)
@@ -453,7 +446,7 @@ register_tactorsink(void)
 }
 
 /// Gamepads come, go, and are told apart from boards.
-GST_START_TEST(test_gamepads)
+CHECK_TEST(test_gamepads)
 {
   const tactor::Gamepad xbox{ .name = "Xbox Wireless Controller",
                               .path = "/dev/input/event5",
@@ -503,30 +496,12 @@ GST_START_TEST(test_gamepads)
   gst_object_unref(bus);
   gst_object_unref(provider);
 }
-GST_END_TEST;
-
-static Suite *
-tactordeviceprovider_suite(void)
-{
-  Suite *suite = suite_create("tactordeviceprovider");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_checked_fixture(tests, register_tactorsink, nullptr);
-  tcase_add_test(tests, test_probe);
-  tcase_add_test(tests, test_create_element);
-  tcase_add_test(tests, test_plugging);
-  tcase_add_test(tests, test_twin_comes_later);
-  tcase_add_test(tests, test_stop_and_start);
-  tcase_add_test(tests, test_broken_bus);
-  tcase_add_test(tests, test_many_changes);
-  tcase_add_test(tests, test_gamepads);
-  return suite;
-}
 
 int
 main(int argc, char **argv)
 {
   g_unsetenv("GST_PLUGIN_PATH_1_0");
   gst_check_init(&argc, &argv);
-  return gst_check_run_suite(tactordeviceprovider_suite(), "tactordeviceprovider", __FILE__);
+  register_tactorsink();
+  return check_tests::run("tactordeviceprovider", __FILE__);
 }

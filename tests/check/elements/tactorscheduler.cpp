@@ -12,6 +12,8 @@
 
 #include <gst/audio/gstaudioclock.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// The expected writes if each command is a write of its own: sorted by due time. Of commands for
@@ -62,7 +64,7 @@ during_a_write(SchedulerRig &rig, const std::function<void()> &work)
 } // namespace
 
 /// Commands pushed in any order are written and traced at their due time, to the nanosecond.
-GST_START_TEST(test_issued_exactly_when_due)
+CHECK_TEST(test_issued_exactly_when_due)
 {
   for (unsigned seed = 1; seed <= 20; seed++) {
     SchedulerRig rig;
@@ -101,9 +103,8 @@ GST_START_TEST(test_issued_exactly_when_due)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_an_earlier_command_cuts_the_sleep_short)
+CHECK_TEST(test_an_earlier_command_cuts_the_sleep_short)
 {
   SchedulerRig rig;
   rig.push({ command(500, 0, 1.0) }, milliseconds(700));
@@ -117,9 +118,8 @@ GST_START_TEST(test_an_earlier_command_cuts_the_sleep_short)
       == (std::vector<Write>{ { milliseconds(250), { 2.0 } }, { milliseconds(500), { 1.0 } } }));
   fail_unless(rig.asleep() == milliseconds(800));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stale_commands_coalesce)
+CHECK_TEST(test_stale_commands_coalesce)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 1.0), command(150, 1, 1.5, 20), command(200, 0, 2.0),
@@ -136,10 +136,9 @@ GST_START_TEST(test_stale_commands_coalesce)
   fail_unless(latest && latest->lead == milliseconds(20) && latest->late == milliseconds(75));
   fail_if(rig.scheduler->take_short_lead());
 }
-GST_END_TEST;
 
 /// Like a pipeline that pauses: clock time continues, running time does not.
-GST_START_TEST(test_pause_and_resume)
+CHECK_TEST(test_pause_and_resume)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(120, 2, 1.0), command(400, 0, 3.0) });
@@ -164,9 +163,8 @@ GST_START_TEST(test_pause_and_resume)
   ck_assert_uint_eq(rig.scheduler->counters().issued, 3);
   ck_assert_uint_eq(rig.scheduler->counters().dropped, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nothing_is_written_before_play)
+CHECK_TEST(test_nothing_is_written_before_play)
 {
   SchedulerRig rig(false);
   rig.push({ command(0, 0, 2.0), command(50, 0, 1.0) });
@@ -177,9 +175,8 @@ GST_START_TEST(test_nothing_is_written_before_play)
   rig.asleep();
   fail_unless(rig.writes() == (std::vector<Write>{ { milliseconds(60), { 1.0 } } }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush_forgets)
+CHECK_TEST(test_flush_forgets)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(400, 0, 3.0), command(500, 1, 3.0) });
@@ -196,9 +193,8 @@ GST_START_TEST(test_flush_forgets)
   ck_assert_uint_eq(rig.writes().size(), 3);
   fail_unless(rig.writes().back() == (Write{ milliseconds(600), { 0.0, 1.0 } }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stop)
+CHECK_TEST(test_stop)
 {
   SchedulerRig rig;
   rig.push({ command(100, 3, 2.0), command(400, 0, 3.0) });
@@ -224,10 +220,9 @@ GST_START_TEST(test_stop)
   fail_unless(rig.writes().back() == (Write{ milliseconds(200), { 1.0 } }));
   // ~SchedulerRig destroys the scheduler while it plays and checks that motors are off.
 }
-GST_END_TEST;
 
 /// Silence requested during a write follows that write, and is complete when the call returns.
-GST_START_TEST(test_silence_during_a_write)
+CHECK_TEST(test_silence_during_a_write)
 {
   const std::vector<std::function<void(TactorScheduler &)>> ways{
     [](TactorScheduler &s) { s.pause(); },
@@ -247,11 +242,10 @@ GST_START_TEST(test_silence_during_a_write)
     fail_unless(silent(writes[1].volts));
   }
 }
-GST_END_TEST;
 
 /// A request for silence during an earlier request's write returns after the zeros, not after that
 /// write.
-GST_START_TEST(test_silence_comes_before_the_return)
+CHECK_TEST(test_silence_comes_before_the_return)
 {
   for (int round = 0; round < 10; round++) {
     SchedulerRig rig;
@@ -279,9 +273,8 @@ GST_START_TEST(test_silence_comes_before_the_return)
     fail_unless(rig.board.is_silent());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mute_follows_silently)
+CHECK_TEST(test_mute_follows_silently)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(200, 1, 1.0), command(300, 0, 0.5) });
@@ -299,9 +292,8 @@ GST_START_TEST(test_mute_follows_silently)
   rig.run_to(350);
   fail_unless(rig.writes().back() == (Write{ milliseconds(300), { 0.5, 1.0 } }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_starved)
+CHECK_TEST(test_starved)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(100, 2, 1.0), command(110, 2, 0.0) }, milliseconds(500));
@@ -331,11 +323,10 @@ GST_START_TEST(test_starved)
   rig.scheduler->flush();
   fail_if(rig.scheduler->take_starved());
 }
-GST_END_TEST;
 
 /// A film that is seconds late, as after a suspend, stays silent while it catches up: no motor
 /// starts for frames shown long ago.
-GST_START_TEST(test_stale_commands_are_dropped)
+CHECK_TEST(test_stale_commands_are_dropped)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0) }, milliseconds(1200));
@@ -366,11 +357,10 @@ GST_START_TEST(test_stale_commands_are_dropped)
   rig.run_to(hour + 600);
   fail_unless(rig.board.get(&Board::volts) == (Volts{ 0.0, 1.0 }));
 }
-GST_END_TEST;
 
 /// An interruption may end before drain() begins or wakes up. It ends drain() nevertheless.
 /// GstBaseSink's are that short when it need not wait for a lock.
-GST_START_TEST(test_interruptions_in_passing)
+CHECK_TEST(test_interruptions_in_passing)
 {
   SchedulerRig rig;
   rig.push({ command(100, 0, 2.0) });
@@ -393,10 +383,9 @@ GST_START_TEST(test_interruptions_in_passing)
   drain.join();
   fail_unless(rig.board.is_silent());
 }
-GST_END_TEST;
 
 /// While a board does not answer, only wait_until_open() blocks, and a stop ends it.
-GST_START_TEST(test_stopped_while_opening)
+CHECK_TEST(test_stopped_while_opening)
 {
   using Outcome = TactorScheduler::Outcome;
   Host host;
@@ -435,10 +424,9 @@ GST_START_TEST(test_stopped_while_opening)
   }
   fail_unless(host.refusals().empty());
 }
-GST_END_TEST;
 
 /// A failure to open is reported once, before the waiting call returns.
-GST_START_TEST(test_cannot_be_opened)
+CHECK_TEST(test_cannot_be_opened)
 {
   using Outcome = TactorScheduler::Outcome;
   Host host;
@@ -457,9 +445,8 @@ GST_START_TEST(test_cannot_be_opened)
   scheduler.stop();
   fail_unless_equals_int(host.failed, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_offset_and_clock_change)
+CHECK_TEST(test_offset_and_clock_change)
 {
   SchedulerRig rig;
   rig.push({ command(300, 0, 1.0), command(400, 0, 2.0), command(500, 0, 3.0) });
@@ -485,10 +472,9 @@ GST_START_TEST(test_offset_and_clock_change)
   fail_unless(rig.writes().back() == (Write{ milliseconds(500), { 3.0 } }));
   gst_object_unref(other);
 }
-GST_END_TEST;
 
 /// A change between the scheduler's reading of the timing and its sleep is not missed.
-GST_START_TEST(test_change_between_reading_and_sleeping)
+CHECK_TEST(test_change_between_reading_and_sleeping)
 {
   SchedulerRig rig;
   rig.push({}, std::chrono::seconds(9));
@@ -506,9 +492,8 @@ GST_START_TEST(test_change_between_reading_and_sleeping)
   rig.offset = Time(0);
   fail_unless(rig.asleep() == milliseconds(8000));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_clock_and_immediate)
+CHECK_TEST(test_no_clock_and_immediate)
 {
   for (const bool clock : { false, true }) {
     SchedulerRig rig;
@@ -539,7 +524,6 @@ GST_START_TEST(test_no_clock_and_immediate)
     fail_unless(rig.writes().back() == (Write{ milliseconds(950), { 2.0, 3.0 } }));
   }
 }
-GST_END_TEST;
 
 /// A sound server's clock, which stands still and notes when it is read.
 struct SoundClock
@@ -570,7 +554,7 @@ struct SoundClock
 };
 
 /// In a pause running time stands still, and the sound may go on before the tactors know.
-GST_START_TEST(test_a_sound_clock_is_not_read_in_a_pause)
+CHECK_TEST(test_a_sound_clock_is_not_read_in_a_pause)
 {
   SoundClock sound;
   g_autoptr(GstClock) clock = gst_audio_clock_new("sound", SoundClock::read, &sound, nullptr);
@@ -587,10 +571,9 @@ GST_START_TEST(test_a_sound_clock_is_not_read_in_a_pause)
   rig.scheduler->flush();
   fail_unless_equals_int(sound.count(), paused);
 }
-GST_END_TEST;
 
 /// Sound that goes on leaves its clock alone for a while.
-GST_START_TEST(test_a_sound_clock_settles)
+CHECK_TEST(test_a_sound_clock_settles)
 {
   SoundClock sound;
   g_autoptr(GstClock) clock = gst_audio_clock_new("sound", SoundClock::read, &sound, nullptr);
@@ -602,35 +585,5 @@ GST_START_TEST(test_a_sound_clock_settles)
   rig.scheduler->play();
   fail_unless(sound.first_read_after(before) - begin >= ClockRest::kLength);
 }
-GST_END_TEST;
 
-static Suite *
-tactorscheduler_suite(void)
-{
-  Suite *suite = suite_create("tactorscheduler");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_issued_exactly_when_due);
-  tcase_add_test(cases, test_an_earlier_command_cuts_the_sleep_short);
-  tcase_add_test(cases, test_stale_commands_coalesce);
-  tcase_add_test(cases, test_pause_and_resume);
-  tcase_add_test(cases, test_nothing_is_written_before_play);
-  tcase_add_test(cases, test_flush_forgets);
-  tcase_add_test(cases, test_stop);
-  tcase_add_test(cases, test_silence_during_a_write);
-  tcase_add_test(cases, test_silence_comes_before_the_return);
-  tcase_add_test(cases, test_mute_follows_silently);
-  tcase_add_test(cases, test_starved);
-  tcase_add_test(cases, test_interruptions_in_passing);
-  tcase_add_test(cases, test_stale_commands_are_dropped);
-  tcase_add_test(cases, test_stopped_while_opening);
-  tcase_add_test(cases, test_cannot_be_opened);
-  tcase_add_test(cases, test_offset_and_clock_change);
-  tcase_add_test(cases, test_change_between_reading_and_sleeping);
-  tcase_add_test(cases, test_no_clock_and_immediate);
-  tcase_add_test(cases, test_a_sound_clock_is_not_read_in_a_pause);
-  tcase_add_test(cases, test_a_sound_clock_settles);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorscheduler);
+CHECK_MAIN(tactorscheduler)

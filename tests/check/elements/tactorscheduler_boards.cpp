@@ -6,8 +6,10 @@
 #include <random>
 #include <thread>
 
+#include "support/check_tests.h"
+
 /// A board that checks that its host is alive gets the same levels again while a motor is on.
-GST_START_TEST(test_refresh)
+CHECK_TEST(test_refresh)
 {
   SchedulerRig rig(false);
   rig.scheduler->stop();
@@ -51,10 +53,9 @@ GST_START_TEST(test_refresh)
   fail_if(rig.scheduler->driver_status().is_there);
   ck_assert_uint_eq(rig.scheduler->driver_status().bytes, rig.writes().size());
 }
-GST_END_TEST;
 
 /// The same without a clock, by the computer's time.
-GST_START_TEST(test_refresh_without_clock)
+CHECK_TEST(test_refresh_without_clock)
 {
   SchedulerRig rig(false);
   rig.scheduler->stop();
@@ -67,11 +68,10 @@ GST_START_TEST(test_refresh_without_clock)
   rig.board.changed.wait(lock, [&] { return rig.board.writes.size() >= 5; });
   fail_unless(rig.board.writes.back() == (Write{ milliseconds(1000), { 2.0 } }));
 }
-GST_END_TEST;
 
 /// A command that arrived after it was due counts as late by its map. One that waited for the
 /// thread counts as late by the thread.
-GST_START_TEST(test_cause_of_lateness)
+CHECK_TEST(test_cause_of_lateness)
 {
   SchedulerRig rig;
   rig.push({ command(9000, 1, 1.0) });
@@ -90,9 +90,8 @@ GST_START_TEST(test_cause_of_lateness)
   fail_unless(counters.thread_error.max() == milliseconds(20));
   fail_unless(counters.thread_error.min() == Time(0));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_board_failed)
+CHECK_TEST(test_board_failed)
 {
   SchedulerRig rig;
   rig.push(
@@ -109,10 +108,9 @@ GST_START_TEST(test_board_failed)
   rig.scheduler->set_muted(true);
   ck_assert_int_eq(rig.host.failed, 1);
 }
-GST_END_TEST;
 
 /// The host may call back on the scheduler's thread, except for stop().
-GST_START_TEST(test_host_calls_back)
+CHECK_TEST(test_host_calls_back)
 {
   SchedulerRig rig;
   rig.host.on_failed = [&] {
@@ -128,10 +126,9 @@ GST_START_TEST(test_host_calls_back)
   fail_unless(rig.scheduler->failed());
   fail_unless(rig.writes().empty());
 }
-GST_END_TEST;
 
 /// Start and stop while others push, query and mute.
-GST_START_TEST(test_start_and_stop_while_others_call)
+CHECK_TEST(test_start_and_stop_while_others_call)
 {
   SchedulerRig rig;
   std::atomic<bool> done{ false };
@@ -157,11 +154,10 @@ GST_START_TEST(test_start_and_stop_while_others_call)
   done = true;
   asker.join();
 }
-GST_END_TEST;
 
 /// All at once, with a board that needs a refresh. Only one thread pauses and plays, and checks
 /// that motors are off in between.
-GST_START_TEST(test_many_threads)
+CHECK_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 25; seed++) {
     SchedulerRig rig(false);
@@ -244,22 +240,5 @@ GST_START_TEST(test_many_threads)
     ck_assert_int_eq(rig.host.failed, 0);
   }
 }
-GST_END_TEST;
 
-static Suite *
-tactorscheduler_boards_suite(void)
-{
-  Suite *suite = suite_create("tactorscheduler_boards");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_refresh);
-  tcase_add_test(cases, test_cause_of_lateness);
-  tcase_add_test(cases, test_refresh_without_clock);
-  tcase_add_test(cases, test_board_failed);
-  tcase_add_test(cases, test_host_calls_back);
-  tcase_add_test(cases, test_start_and_stop_while_others_call);
-  tcase_add_test(cases, test_many_threads);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorscheduler_boards);
+CHECK_MAIN(tactorscheduler_boards)

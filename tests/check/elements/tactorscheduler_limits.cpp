@@ -6,6 +6,8 @@
 
 #include <thread>
 
+#include "support/check_tests.h"
+
 namespace {
 
 Command
@@ -51,7 +53,7 @@ assert_writes(SchedulerRig &rig, const std::vector<std::pair<int, double>> &expe
 } // namespace
 
 /// A command's own end stops the motor, without a map or a command.
-GST_START_TEST(test_command_runs_out)
+CHECK_TEST(test_command_runs_out)
 {
   SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 300), until(command(100, 1, 1.0), 400) });
@@ -69,10 +71,9 @@ GST_START_TEST(test_command_runs_out)
   ck_assert_uint_eq(rig.scheduler->counters().starved, 0);
   fail_unless(rig.scheduler->counters().error.max() == Time(0));
 }
-GST_END_TEST;
 
 /// When no map arrives, motors stop before their commands run out.
-GST_START_TEST(test_starves_before_it_runs_out)
+CHECK_TEST(test_starves_before_it_runs_out)
 {
   SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 900) }, milliseconds(500));
@@ -83,10 +84,9 @@ GST_START_TEST(test_starves_before_it_runs_out)
     std::this_thread::yield();
   fail_unless(rig.scheduler->take_starved() == milliseconds(500));
 }
-GST_END_TEST;
 
 /// A pause does not count: the rest of the command's time follows the resume.
-GST_START_TEST(test_pause_and_run_out)
+CHECK_TEST(test_pause_and_run_out)
 {
   SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 300) });
@@ -102,10 +102,9 @@ GST_START_TEST(test_pause_and_run_out)
   fail_unless(rig.writes()[2] == (Write{ milliseconds(200), { 2.0 } }));
   fail_unless(rig.writes()[3] == (Write{ milliseconds(300), { 0.0 } }));
 }
-GST_END_TEST;
 
 /// Without the clock a command runs out when the film's time gets there, not at once.
-GST_START_TEST(test_runs_out_without_the_clock)
+CHECK_TEST(test_runs_out_without_the_clock)
 {
   SchedulerRig rig(false);
   rig.scheduler->set_immediate(true);
@@ -119,10 +118,9 @@ GST_START_TEST(test_runs_out_without_the_clock)
   fail_unless(rig.writes()[3] == (Write{ milliseconds(400), { 0.0, 0.0 } }));
   rig.scheduler->drain(rig.scheduler->interruptions());
 }
-GST_END_TEST;
 
 /// The first vibration after the start is soft, the second is not. Without the clock none is.
-GST_START_TEST(test_soft_start)
+CHECK_TEST(test_soft_start)
 {
   SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
@@ -142,11 +140,10 @@ GST_START_TEST(test_soft_start)
   assert_writes(untimed, { { 100, 3.0 } });
   ck_assert_uint_eq(untimed.scheduler->counters().ramps, 0);
 }
-GST_END_TEST;
 
 /// A pause, a flush and mute arm another soft start. A low level is reached earlier, and a level
 /// that changes meanwhile is limited, too.
-GST_START_TEST(test_soft_again)
+CHECK_TEST(test_soft_again)
 {
   SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
@@ -183,11 +180,10 @@ GST_START_TEST(test_soft_again)
   assert_writes(rig, expected);
   ck_assert_uint_eq(rig.scheduler->counters().ramps, 4);
 }
-GST_END_TEST;
 
 /// On a line that takes 15 ms per level, two levels take 30 ms, and so do the steps from the next
 /// one on. The flush's zero is the first write of the second ramp.
-GST_START_TEST(test_soft_start_on_a_slow_line)
+CHECK_TEST(test_soft_start_on_a_slow_line)
 {
   SchedulerRig rig(false);
   rig.scheduler->stop();
@@ -210,11 +206,10 @@ GST_START_TEST(test_soft_start_on_a_slow_line)
       { { 300, 0.0 }, { 400, 0.6 }, { 410, 0.6 }, { 420, 1.5 }, { 450, 2.4 }, { 480, 3.0 } });
   assert_writes(rig, expected);
 }
-GST_END_TEST;
 
 /// A lost board is at zero until it returns, and starts softly, too. A pause during a soft start
 /// ends it.
-GST_START_TEST(test_soft_after_faults)
+CHECK_TEST(test_soft_after_faults)
 {
   SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
@@ -239,23 +234,5 @@ GST_START_TEST(test_soft_after_faults)
                   { { 1200, 0.0 }, { 1200, 0.6 }, { 1220, 1.2 }, { 1240, 1.8 }, { 1250, 0.0 } });
   assert_writes(rig, expected);
 }
-GST_END_TEST;
 
-static Suite *
-tactorscheduler_limits_suite(void)
-{
-  Suite *suite = suite_create("tactorscheduler_limits");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_command_runs_out);
-  tcase_add_test(cases, test_starves_before_it_runs_out);
-  tcase_add_test(cases, test_pause_and_run_out);
-  tcase_add_test(cases, test_runs_out_without_the_clock);
-  tcase_add_test(cases, test_soft_start);
-  tcase_add_test(cases, test_soft_again);
-  tcase_add_test(cases, test_soft_start_on_a_slow_line);
-  tcase_add_test(cases, test_soft_after_faults);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorscheduler_limits)
+CHECK_MAIN(tactorscheduler_limits)

@@ -7,6 +7,8 @@
 #include "support/contains.h"
 #include <gst/base/gstbasesink.h>
 
+#include "support/check_tests.h"
+
 /// A rise from rest to full scale: 64.54 ms by Eq. 1. That is 1.6 frames of 40 ms, so two with
 /// frame-block.
 static void
@@ -25,27 +27,24 @@ check_compensation(const char *compensation, GstClockTime lead)
   assert_line(lines[1], 1040 * kMs, 1040 * kMs, 1040 * kMs, 0, 0.0);
 }
 
-GST_START_TEST(test_compensation_exact)
+CHECK_TEST(test_compensation_exact)
 {
   check_compensation("exact", rise(3.0));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_compensation_frame_block)
+CHECK_TEST(test_compensation_frame_block)
 {
   check_compensation("frame-block", 2 * kFrame);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_compensation_none)
+CHECK_TEST(test_compensation_none)
 {
   check_compensation("none", 0);
 }
-GST_END_TEST;
 
 /// Blocks at 5 Hz: within 200 ms only a level that is stronger by half changes anything. A block's
 /// level is that of the map at its start.
-GST_START_TEST(test_blocks_at_5_hz)
+CHECK_TEST(test_blocks_at_5_hz)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -61,10 +60,9 @@ GST_START_TEST(test_blocks_at_5_hz)
     assert_line(lines[i], i * 200 * kMs, i * 200 * kMs, i * 200 * kMs, 0, 0.6 * (i + 1));
   assert_line(lines[4], 800 * kMs, 800 * kMs, 800 * kMs, 0, 0);
 }
-GST_END_TEST;
 
 /// A level that is stronger by half is felt at once, for a block, also if it lasts for one frame.
-GST_START_TEST(test_stronger_at_once_at_5_hz)
+CHECK_TEST(test_stronger_at_once_at_5_hz)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -79,9 +77,8 @@ GST_START_TEST(test_stronger_at_once_at_5_hz)
   assert_line(lines[2], 12 * kFrame, 12 * kFrame, 12 * kFrame, 0, 1.2);
   assert_line(lines[3], 20 * kFrame, 20 * kFrame, 20 * kFrame, 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pause_silences_and_resume_reissues)
+CHECK_TEST(test_pause_silences_and_resume_reissues)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -108,10 +105,9 @@ GST_START_TEST(test_pause_silences_and_resume_reissues)
   assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 0, 1.5);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
 /// Without another map the pause still completes. The next map resumes play.
-GST_START_TEST(test_pause_waits_for_no_map)
+CHECK_TEST(test_pause_waits_for_no_map)
 {
   SinkRig rig;
   rig.start();
@@ -125,11 +121,10 @@ GST_START_TEST(test_pause_waits_for_no_map)
   ck_assert_uint_eq(rig.stat("late"), 0);
   assert_silent_at_end(rig.trace());
 }
-GST_END_TEST;
 
 /// A preroll may end after play was given up. The base class then signals it from the streaming
 /// thread, after the pause.
-GST_START_TEST(test_late_preroll_is_no_play)
+CHECK_TEST(test_late_preroll_is_no_play)
 {
   SinkRig rig;
   rig.start();
@@ -143,9 +138,8 @@ GST_START_TEST(test_late_preroll_is_no_play)
   ck_assert_uint_eq(lines.size(), 2);
   fail_unless(lines[0].volts > 0 && lines[1].volts == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flush_during_wait)
+CHECK_TEST(test_flush_during_wait)
 {
   SinkRig rig;
   rig.start();
@@ -174,9 +168,8 @@ GST_START_TEST(test_flush_during_wait)
   ck_assert_int_eq(lines[2].effect, 0);
   assert_line(lines[3], kFrame, kFrame, kFrame, 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gap_is_zero_at_its_time)
+CHECK_TEST(test_gap_is_zero_at_its_time)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -192,11 +185,10 @@ GST_START_TEST(test_gap_is_zero_at_its_time)
   assert_line(lines[2], 160 * kMs, 160 * kMs, 160 * kMs, 0, 1.5);
   assert_line(lines[3], 200 * kMs, 200 * kMs, 200 * kMs, 0, 0);
 }
-GST_END_TEST;
 
 /// The EOS message follows the last frame's end and the motors' stop. It is not early by
 /// render-delay.
-GST_START_TEST(test_eos_drains)
+CHECK_TEST(test_eos_drains)
 {
   SinkRig rig;
   rig.play([&] {
@@ -220,7 +212,6 @@ GST_START_TEST(test_eos_drains)
   assert_line(lines[0], 200 * kMs - rise(3.0), 200 * kMs - rise(3.0), 200 * kMs, 0, 3.0);
   assert_line(lines[1], 240 * kMs, 240 * kMs, 240 * kMs, 0, 0);
 }
-GST_END_TEST;
 
 /// Effects are running times, at any rate and segment start.
 static void
@@ -245,7 +236,7 @@ check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime 
   assert_line(lines[1], end, end, end, 0, 0);
 }
 
-GST_START_TEST(test_rates_and_segments)
+CHECK_TEST(test_rates_and_segments)
 {
   check_segment(1.0, 10 * GST_SECOND, GST_CLOCK_TIME_NONE, 10400 * kMs, 400 * kMs);
   check_segment(2.0, 0, GST_CLOCK_TIME_NONE, 1000 * kMs, 500 * kMs);
@@ -253,10 +244,9 @@ GST_START_TEST(test_rates_and_segments)
   // Backwards, a frame is shown once its end is reached: at 2 s - (1.2 s + 40 ms).
   check_segment(-1.0, 0, 2 * GST_SECOND, 1200 * kMs, 760 * kMs);
 }
-GST_END_TEST;
 
 /// A new latency applies to commands that are already waiting.
-GST_START_TEST(test_latency_change_moves_the_wait)
+CHECK_TEST(test_latency_change_moves_the_wait)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -276,9 +266,8 @@ GST_START_TEST(test_latency_change_moves_the_wait)
   assert_line(lines[0], 200 * kMs, 200 * kMs, 200 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping_and_volts)
+CHECK_TEST(test_mapping_and_volts)
 {
   SinkRig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
   g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity",
@@ -295,10 +284,9 @@ GST_START_TEST(test_mapping_and_volts)
   fail_unless(std::abs(first[3] - (1.0)) <= 1e-3);
   fail_unless(std::abs(first[0] - (0.6)) <= 1e-3);
 }
-GST_END_TEST;
 
 /// A mapping set while playing applies from the next map on.
-GST_START_TEST(test_mapping_while_playing)
+CHECK_TEST(test_mapping_while_playing)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -314,10 +302,9 @@ GST_START_TEST(test_mapping_while_playing)
   assert_line(lines[2], 40 * kMs, 40 * kMs, 40 * kMs, 5, 3.0);
   assert_line(lines[3], 80 * kMs, 80 * kMs, 80 * kMs, 5, 0.0);
 }
-GST_END_TEST;
 
 /// So does an intensity of 0.
-GST_START_TEST(test_mute_acts_at_once)
+CHECK_LOOP_TEST(test_mute_acts_at_once, 0, 2)
 {
   SinkRig rig;
   const bool mutes = __i__ == 0;
@@ -343,10 +330,9 @@ GST_START_TEST(test_mute_acts_at_once)
   assert_line(lines[2], 110 * kMs, 110 * kMs, 110 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
 /// Volts and lead that the board and the pipeline already use do not change until the next play.
-GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
+CHECK_TEST(test_volts_and_lead_are_fixed_while_playing)
 {
   SinkRig rig;
   rig.play([&] {
@@ -358,11 +344,10 @@ GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[0], 400 * kMs - rise(3.0), 400 * kMs - rise(3.0), 400 * kMs, 0, 3.0);
 }
-GST_END_TEST;
 
 /// Paused within the last frame: EOS waits for the resume, and the motor plays until the frame's
 /// end.
-GST_START_TEST(test_pause_in_the_last_frame)
+CHECK_TEST(test_pause_in_the_last_frame)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -394,10 +379,9 @@ GST_START_TEST(test_pause_in_the_last_frame)
   assert_line(lines[2], 1000 * kMs, 1000 * kMs, 1000 * kMs, 0, 3.0);
   assert_line(lines[3], 2000 * kMs, 2000 * kMs, 2000 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// Without the clock no command is lost or coalesced, and each is traced as issued when due.
-GST_START_TEST(test_sync_false_issues_every_command)
+CHECK_TEST(test_sync_false_issues_every_command)
 {
   SinkRig rig;
   g_object_set(rig.element, "sync", FALSE, "rate", 0.0, nullptr);
@@ -415,11 +399,10 @@ GST_START_TEST(test_sync_false_issues_every_command)
     ck_assert_int_eq(line.issued, line.due);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
 /// Upstream stops delivering: motors hold the last map for its frame and a second, then stop. The
 /// next map resumes play.
-GST_START_TEST(test_starved)
+CHECK_TEST(test_starved)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -439,11 +422,10 @@ GST_START_TEST(test_starved)
   assert_line(lines[1], 1040 * kMs, 1040 * kMs, 1040 * kMs, 0, 0.0);
   assert_line(lines[2], 1600 * kMs, 1600 * kMs, 1600 * kMs, 0, 3.0);
 }
-GST_END_TEST;
 
 /// Data too late for its lead takes effect at once and is counted. An element message reports it
 /// once.
-GST_START_TEST(test_late_is_counted_and_reported)
+CHECK_TEST(test_late_is_counted_and_reported)
 {
   SinkRig rig;
   rig.start();
@@ -478,11 +460,10 @@ GST_START_TEST(test_late_is_counted_and_reported)
   }
   ck_assert_uint_eq(said, 1);
 }
-GST_END_TEST;
 
 /// What is posted as the stream goes on is posted without the preroll lock: a handler may pause the
 /// pipeline.
-GST_START_TEST(test_messages_without_the_preroll_lock)
+CHECK_TEST(test_messages_without_the_preroll_lock)
 {
   struct Told
   {
@@ -515,10 +496,9 @@ GST_START_TEST(test_messages_without_the_preroll_lock)
   assert_text(told.locked, "");
   assert_text(told.free, "tactor-lead-short GstMessageWarning tactor-stats ");
 }
-GST_END_TEST;
 
 /// The thread that issues commands is real-time where permitted, and reports its scheduling.
-GST_START_TEST(test_realtime)
+CHECK_TEST(test_realtime)
 {
   g_setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/bus", TRUE);
   g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
@@ -549,11 +529,10 @@ GST_START_TEST(test_realtime)
     gst_bus_set_sync_handler(rig.messages.bus, nullptr, nullptr, nullptr);
   }
 }
-GST_END_TEST;
 
 /// Three levels of one tactor wait. A lower latency makes all of them due, and only the last one is
 /// sent.
-GST_START_TEST(test_stale_commands_coalesce)
+CHECK_TEST(test_stale_commands_coalesce)
 {
   SinkRig rig;
   g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
@@ -573,10 +552,9 @@ GST_START_TEST(test_stale_commands_coalesce)
   assert_line(lines[0], 115 * kMs, 80 * kMs, 80 * kMs, 0, 2.25);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
 /// Straight to NULL while playing: each motor's last command is zero.
-GST_START_TEST(test_null_while_playing_is_silent)
+CHECK_TEST(test_null_while_playing_is_silent)
 {
   SinkRig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");
   rig.uncompensated();
@@ -591,40 +569,5 @@ GST_START_TEST(test_null_while_playing_is_silent)
   ck_assert_uint_eq(lines.size(), 18);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_suite(void)
-{
-  Suite *suite = suite_create("tactorsink");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_compensation_exact);
-  tcase_add_test(cases, test_compensation_frame_block);
-  tcase_add_test(cases, test_compensation_none);
-  tcase_add_test(cases, test_blocks_at_5_hz);
-  tcase_add_test(cases, test_stronger_at_once_at_5_hz);
-  tcase_add_test(cases, test_pause_silences_and_resume_reissues);
-  tcase_add_test(cases, test_pause_waits_for_no_map);
-  tcase_add_test(cases, test_late_preroll_is_no_play);
-  tcase_add_test(cases, test_flush_during_wait);
-  tcase_add_test(cases, test_gap_is_zero_at_its_time);
-  tcase_add_test(cases, test_eos_drains);
-  tcase_add_test(cases, test_rates_and_segments);
-  tcase_add_test(cases, test_latency_change_moves_the_wait);
-  tcase_add_test(cases, test_mapping_and_volts);
-  tcase_add_test(cases, test_mapping_while_playing);
-  tcase_add_loop_test(cases, test_mute_acts_at_once, 0, 2);
-  tcase_add_test(cases, test_volts_and_lead_are_fixed_while_playing);
-  tcase_add_test(cases, test_pause_in_the_last_frame);
-  tcase_add_test(cases, test_sync_false_issues_every_command);
-  tcase_add_test(cases, test_starved);
-  tcase_add_test(cases, test_late_is_counted_and_reported);
-  tcase_add_test(cases, test_messages_without_the_preroll_lock);
-  tcase_add_test(cases, test_realtime);
-  tcase_add_test(cases, test_stale_commands_coalesce);
-  tcase_add_test(cases, test_null_while_playing_is_silent);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink);
+CHECK_MAIN(tactorsink)

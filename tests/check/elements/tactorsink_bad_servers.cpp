@@ -10,6 +10,8 @@
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "server_rig.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -54,7 +56,7 @@ refusal_of(ServerRig &rig)
 
 } // namespace
 
-GST_START_TEST(test_flood)
+CHECK_TEST(test_flood)
 {
   for (const Case &one : kCases) {
     // Which of the two bounds acts depends on how fast the server is.
@@ -64,19 +66,17 @@ GST_START_TEST(test_flood)
                 "%s", why.c_str());
   }
 }
-GST_END_TEST;
 
 /// 10 MB of JSON in one message.
-GST_START_TEST(test_huge)
+CHECK_TEST(test_huge)
 {
   for (const Case &one : kCases)
     assert_contains(play_until_left(one, "huge=8"), { "larger than configured max-incoming" });
 }
-GST_END_TEST;
 
 /// A server that answers nothing from the middle of the film on. All three at once, as it takes a
 /// while.
-GST_START_TEST(test_silent_during_play)
+CHECK_TEST(test_silent_during_play)
 {
   std::vector<std::unique_ptr<ServerRig>> rigs;
   for (const Case &one : kCases) {
@@ -90,10 +90,9 @@ GST_START_TEST(test_silent_during_play)
   for (const auto &rig : rigs)
     assert_contains(rig->play_until("tactor-device-lost"), { "none came for 5 s" });
 }
-GST_END_TEST;
 
 /// Steps that no device has.
-GST_START_TEST(test_lies_about_steps)
+CHECK_TEST(test_lies_about_steps)
 {
   for (const Case &one : kCases) {
     if (std::string(one.driver) != "intiface")
@@ -106,10 +105,9 @@ GST_START_TEST(test_lies_about_steps)
     }
   }
 }
-GST_END_TEST;
 
 /// In a player the film is seen nevertheless.
-GST_START_TEST(test_lies_in_a_player)
+CHECK_TEST(test_lies_in_a_player)
 {
   HapticServer server({ "buttplug4", "steps=0" });
   GstElement *player = make_pipeline(
@@ -134,10 +132,9 @@ GST_START_TEST(test_lies_in_a_player)
   gst_element_set_state(player, GST_STATE_NULL);
   gst_object_unref(player);
 }
-GST_END_TEST;
 
 /// A device of 5000 motors has 64 for us.
-GST_START_TEST(test_lies_about_counts)
+CHECK_TEST(test_lies_about_counts)
 {
   for (const Case &one : kCases) {
     if (std::string(one.driver) != "intiface")
@@ -152,10 +149,9 @@ GST_START_TEST(test_lies_about_counts)
     ck_assert_uint_eq(rig.infos(": 64 motors,"), 1);
   }
 }
-GST_END_TEST;
 
 /// The device says something else in the middle of a film, as only version 4 can.
-GST_START_TEST(test_changed_during_play)
+CHECK_TEST(test_changed_during_play)
 {
   const Case &one = kCases.back();
   ServerRig rig(one.driver, one.device, { one.kind, "gap=1" });
@@ -175,22 +171,5 @@ GST_START_TEST(test_changed_during_play)
   assert_contains(rig.play_until("tactor-device-refused"),
                   { "expected 2 motors as before, found 3" });
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_bad_servers_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_bad_servers");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_flood);
-  tcase_add_test(tests, test_huge);
-  tcase_add_test(tests, test_silent_during_play);
-  tcase_add_test(tests, test_lies_about_steps);
-  tcase_add_test(tests, test_lies_in_a_player);
-  tcase_add_test(tests, test_lies_about_counts);
-  tcase_add_test(tests, test_changed_during_play);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_bad_servers);
+CHECK_MAIN(tactorsink_bad_servers)

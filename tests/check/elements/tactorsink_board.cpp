@@ -20,6 +20,8 @@
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 using tactor::SerialDevice;
 using Duties = std::vector<int>; ///< 0…255, of 8-bit pins
 
@@ -145,7 +147,7 @@ public:
 } // namespace
 
 /// The default driver without a board: simulated, with a message.
-GST_START_TEST(test_auto_without_board)
+CHECK_TEST(test_auto_without_board)
 {
   BoardRig rig;
   fail_unless(rig.start());
@@ -156,11 +158,10 @@ GST_START_TEST(test_auto_without_board)
   ck_assert_str_eq(gst_structure_get_string(stats, "board"), "simulator");
   gst_structure_free(stats);
 }
-GST_END_TEST;
 
 /// The default driver with a board: a film plays on its motors, the board is reported, and motors
 /// go to zero however it ends.
-GST_START_TEST(test_auto_with_board)
+CHECK_TEST(test_auto_with_board)
 {
   BoardRig rig;
   rig.sockets_.plug(rig.mega);
@@ -208,11 +209,10 @@ GST_START_TEST(test_auto_with_board)
   ck_assert_int_eq(*(rig.mega.model.received.end() - 2), 0xff);
   fail_if(rig.mega.is_open);
 }
-GST_END_TEST;
 
 /// The film's time stands still while a motor is on: the limit is kept by the motor's. The next
 /// play on the board has the account of this one.
-GST_START_TEST(test_limits_are_of_the_motor)
+CHECK_TEST(test_limits_are_of_the_motor)
 {
   const std::vector<std::uint8_t> full{ 0xe2, 0x7f, 1 }; // pin 2, 255
   const auto count_full = [&](const BoardRig &rig) {
@@ -240,9 +240,8 @@ GST_START_TEST(test_limits_are_of_the_motor)
     ck_assert_int_eq(count_full(rig), play == 0 ? 1 : 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_end_of_stream)
+CHECK_TEST(test_end_of_stream)
 {
   BoardRig rig("firmata");
   rig.sockets_.plug(rig.mega);
@@ -251,11 +250,10 @@ GST_START_TEST(test_end_of_stream)
   fail_unless(gst_pad_send_event(rig.pad, gst_event_new_eos()));
   rig.sockets_.wait([&] { return rig.mega.model.is_silent(); });
 }
-GST_END_TEST;
 
 /// A lost board causes one warning for users and a message for programs, and the film goes on. The
 /// trace has zeros for it, and a board that returns resumes the current levels.
-GST_START_TEST(test_lost_and_found)
+CHECK_TEST(test_lost_and_found)
 {
   BoardRig rig("firmata");
   const TemporaryFile trace;
@@ -294,10 +292,9 @@ GST_START_TEST(test_lost_and_found)
       told.push_back(std::lround(line.command.volts / 3.0 * 255));
   fail_unless(told == (std::vector<long>{ 255, 0, 200, 0 }));
 }
-GST_END_TEST;
 
 /// A board that cannot be opened is an error with the reason and GStreamer's code for it.
-GST_START_TEST(test_errors)
+CHECK_TEST(test_errors)
 {
   const auto refused = [](BoardRig &rig) {
     fail_if(rig.start());
@@ -340,11 +337,10 @@ GST_START_TEST(test_errors)
     ck_assert_int_eq(refused(rig).second, expected);
   }
 }
-GST_END_TEST;
 
 /// Pause, play and seek while the board does not answer: the stream keeps waiting or is flushed,
 /// and plays once the board answers.
-GST_START_TEST(test_slow_board)
+CHECK_TEST(test_slow_board)
 {
   BoardRig rig("firmata");
   rig.mega.says_nothing = true;
@@ -365,7 +361,6 @@ GST_START_TEST(test_slow_board)
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
   fail_if(rig.messages.has(GST_MESSAGE_ERROR));
 }
-GST_END_TEST;
 
 /// A live stream by a test clock, whose board is open at 10 s: until then, time passes.
 class LiveRig : public BoardRig
@@ -417,7 +412,7 @@ private:
 
 /// In a live stream time passes while the board is opened. Maps of that time are dropped and not
 /// reported as late.
-GST_START_TEST(test_slow_board_in_a_live_play)
+CHECK_TEST(test_slow_board_in_a_live_play)
 {
   LiveRig rig;
   for (const int shown_ms : { 9000, 10000, 10040 })
@@ -433,10 +428,9 @@ GST_START_TEST(test_slow_board_in_a_live_play)
   rig.push(12000, { 255, 200, 128 });
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
 }
-GST_END_TEST;
 
 /// A long map that began before the board was open, such as a cue, is felt from then on.
-GST_START_TEST(test_long_map_in_a_live_play)
+CHECK_TEST(test_long_map_in_a_live_play)
 {
   LiveRig rig;
   rig.length = 2 * GST_SECOND;
@@ -444,12 +438,11 @@ GST_START_TEST(test_long_map_in_a_live_play)
   rig.push(9600, { 255, 200, 128 });
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
 }
-GST_END_TEST;
 
 /// 64 tactors: 14 pins whose levels take 3 bytes, and 50 that take 6. If max-active lets few of
 /// them change at once, there is an information. Otherwise there is a warning with figures and
 /// advice, and a message for programs. With nine tactors there is neither.
-GST_START_TEST(test_large_chair)
+CHECK_TEST(test_large_chair)
 {
   Layout layout = kUno;
   layout.pins = 66;
@@ -503,31 +496,11 @@ GST_START_TEST(test_large_chair)
     rig->sockets_.unplug(large);
   }
 }
-GST_END_TEST;
-
-static Suite *
-tactorsink_board_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_board");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_auto_without_board);
-  tcase_add_test(cases, test_auto_with_board);
-  tcase_add_test(cases, test_end_of_stream);
-  tcase_add_test(cases, test_limits_are_of_the_motor);
-  tcase_add_test(cases, test_lost_and_found);
-  tcase_add_test(cases, test_errors);
-  tcase_add_test(cases, test_slow_board);
-  tcase_add_test(cases, test_slow_board_in_a_live_play);
-  tcase_add_test(cases, test_long_map_in_a_live_play);
-  tcase_add_test(cases, test_large_chair);
-  return suite;
-}
 
 int
 main(int argc, char **argv)
 {
   g_unsetenv("GST_PLUGIN_PATH_1_0"); // whose plugin has the same element
   gst_check_init(&argc, &argv);
-  return gst_check_run_suite(tactorsink_board_suite(), "tactorsink_board", __FILE__);
+  return check_tests::run("tactorsink_board", __FILE__);
 }

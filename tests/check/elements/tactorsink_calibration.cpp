@@ -22,6 +22,8 @@
 #include "support/unwrap.h"
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -125,7 +127,7 @@ percentile(const std::vector<double> &sorted, double share)
 
 } // namespace
 
-GST_START_TEST(error_falls_with_the_calibration)
+CHECK_TEST(error_falls_with_the_calibration)
 {
   std::vector<StepResponse> responses
       = measure({ .tactors = { 0, 1, 2, 3 }, .repetitions = 2 }, chair(),
@@ -148,7 +150,6 @@ GST_START_TEST(error_falls_with_the_calibration)
   fail_unless(percentile(without, 0.95) > 30);
   fail_unless_at_most(percentile(with, 0.95), 5);
 }
-GST_END_TEST
 
 static void
 expect_error(const gchar *path, const gchar *says)
@@ -163,17 +164,16 @@ expect_error(const gchar *path, const gchar *says)
   gst_element_set_state(sink, GST_STATE_NULL);
 }
 
-GST_START_TEST(invalid_calibrations_are_refused)
+CHECK_TEST(invalid_calibrations_are_refused)
 {
   expect_error("/nowhere/motors.calibration", "/nowhere/motors.calibration");
   const TemporaryFile file;
   std::ofstream(file.path) << "[Calibration]\nversion=1\n[Tactor 0]\nlatency-ms=late\n";
   expect_error(file.path.c_str(), "latency-ms");
 }
-GST_END_TEST
 
 // Motors slower than max-lead cannot be on time, which causes a warning.
-GST_START_TEST(too_short_a_lead_causes_a_warning)
+CHECK_TEST(too_short_a_lead_causes_a_warning)
 {
   const TemporaryFile file;
   Calibration slow{ .tactors = { { 0, {} } } };
@@ -190,18 +190,5 @@ GST_START_TEST(too_short_a_lead_causes_a_warning)
     gst_element_set_state(sink, GST_STATE_NULL);
   }
 }
-GST_END_TEST
 
-static Suite *
-tactorsink_calibration_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_calibration");
-  TCase *tests = tcase_create("calibration");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, error_falls_with_the_calibration);
-  tcase_add_test(tests, invalid_calibrations_are_refused);
-  tcase_add_test(tests, too_short_a_lead_causes_a_warning);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_calibration)
+CHECK_MAIN(tactorsink_calibration)

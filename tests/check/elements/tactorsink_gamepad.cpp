@@ -10,6 +10,8 @@
 
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A sink that does not wait for the clock, and its gamepad.
@@ -70,7 +72,7 @@ constexpr std::array<int, 4> kZero{};
 } // namespace
 
 /// The left half of the map is the low motor, the right half the high one; no cell is dropped.
-GST_START_TEST(test_halves)
+CHECK_TEST(test_halves)
 {
   GamepadRig rig;
   rig.start(1, 4);
@@ -83,9 +85,8 @@ GST_START_TEST(test_halves)
   ck_assert_int_eq(rig.times_said(GST_MESSAGE_INFO, "share motors"), 1);
   ck_assert_int_eq(rig.times_said(GST_MESSAGE_WARNING, "no tactor"), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_watchdog)
+CHECK_TEST(test_no_watchdog)
 {
   GamepadRig rig;
   rig.start(1, 2);
@@ -93,9 +94,8 @@ GST_START_TEST(test_no_watchdog)
   rig.pad.wait_for({ 65535, 65535, 0, 0 });
   ck_assert_int_eq(rig.times_said(GST_MESSAGE_WARNING, "has no watchdog"), 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping)
+CHECK_TEST(test_mapping)
 {
   GamepadRig rig;
   g_object_set(rig.element, "mapping", "3,2,1,0", nullptr);
@@ -105,9 +105,8 @@ GST_START_TEST(test_mapping)
   rig.push({ 0, 1, 0, 1 });
   rig.pad.wait_for({ 65535, 0, 65535, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_zero_on_ways_out)
+CHECK_TEST(test_zero_on_ways_out)
 {
   for (const GstState state : { GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL }) {
     GamepadRig rig;
@@ -138,10 +137,9 @@ GST_START_TEST(test_zero_on_ways_out)
   gst_element_set_state(rig.element, GST_STATE_NULL);
   rig.pad.wait_for(kZero);
 }
-GST_END_TEST;
 
 /// The pad's buttons stay with a game that plays on it, too: while the film is felt, and after.
-GST_START_TEST(test_buttons_of_a_game)
+CHECK_TEST(test_buttons_of_a_game)
 {
   GamepadRig rig;
   SDL_GameController *game = nullptr;
@@ -172,10 +170,9 @@ GST_START_TEST(test_buttons_of_a_game)
   fail_unless(hears(false));
   SDL_GameControllerClose(game);
 }
-GST_END_TEST;
 
 /// A gamepad beside a chair.
-GST_START_TEST(test_with_a_chair)
+CHECK_TEST(test_with_a_chair)
 {
   VirtualPad pad("virtual pad");
   TwoDevices devices("driver=simulator", "driver=gamepad device=\"virtual pad\"");
@@ -187,22 +184,5 @@ GST_START_TEST(test_with_a_chair)
   devices.expect_one_film();
   pad.wait_for(kZero);
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_gamepad_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_gamepad");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_halves);
-  tcase_add_test(tcase, test_no_watchdog);
-  tcase_add_test(tcase, test_mapping);
-  tcase_add_test(tcase, test_zero_on_ways_out);
-  tcase_add_test(tcase, test_buttons_of_a_game);
-  tcase_add_test(tcase, test_with_a_chair);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_gamepad);
+CHECK_MAIN(tactorsink_gamepad)

@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 using Grid = std::pair<guint, guint>;
@@ -145,7 +147,7 @@ const std::string kFilm = "tactiletestsrc ! video/x-raw,width=64,height=64 ! sal
 } // namespace
 
 /// The device's grid comes first, and any other is taken.
-GST_START_TEST(test_caps)
+CHECK_TEST(test_caps)
 {
   HapticServer server({ "bhaptics" });
   g_autoptr(GstElement) sink
@@ -175,9 +177,8 @@ GST_START_TEST(test_caps)
   }
   gst_element_set_state(sink, GST_STATE_NULL);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_agreed)
+CHECK_TEST(test_agreed)
 {
   Play(kFilm, "vest").expect(kVest);
   Play(kFilm + "! queue", "sleeve-left").expect(kSleeve);
@@ -186,17 +187,15 @@ GST_START_TEST(test_agreed)
   Play("tactilesoundtestsrc ! soundtactile name=s s.src ! fakesink s.tactile ! queue", "visor")
       .expect(kVisor);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_in_a_player)
+CHECK_TEST(test_in_a_player)
 {
   Play("tactiletestsrc ! video/x-raw,width=64,height=64 ! visuotactilesink video-sink=fakesink")
       .expect(kVest);
 }
-GST_END_TEST;
 
 /// Of two devices at a tee, the first one has maps of its grid, and the other one pools them.
-GST_START_TEST(test_two_devices)
+CHECK_TEST(test_two_devices)
 {
   for (const std::string &maps :
        { kFilm, kFilm + "! tactileextractor name=x x.src ! fakesink x.tactile " })
@@ -211,10 +210,9 @@ GST_START_TEST(test_two_devices)
       fail_unless(film.last() == grid);
     }
 }
-GST_END_TEST;
 
 /// What the user sets is not asked.
-GST_START_TEST(test_set_by_the_user)
+CHECK_TEST(test_set_by_the_user)
 {
   const std::string film = "tactiletestsrc num-buffers=20 ! video/x-raw,width=64,height=64 ! "
                            "saliencytactile ";
@@ -224,10 +222,9 @@ GST_START_TEST(test_set_by_the_user)
     fail_unless(film_of_the_user.play() == std::set<Grid>{ expected });
   }
 }
-GST_END_TEST;
 
 /// Each play agrees anew. A device without places has no grid.
-GST_START_TEST(test_device_changes)
+CHECK_TEST(test_device_changes)
 {
   Play film(kFilm + "! tactileextractor name=x x.src ! fakesink x.tactile ! queue", "vest");
   film.expect(kVest);
@@ -236,22 +233,5 @@ GST_START_TEST(test_device_changes)
   film.use_simulator();
   film.expect(kDefault);
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_grid_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_grid");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_caps);
-  tcase_add_test(tcase, test_agreed);
-  tcase_add_test(tcase, test_in_a_player);
-  tcase_add_test(tcase, test_two_devices);
-  tcase_add_test(tcase, test_set_by_the_user);
-  tcase_add_test(tcase, test_device_changes);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_grid);
+CHECK_MAIN(tactorsink_grid)

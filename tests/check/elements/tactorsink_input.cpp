@@ -11,7 +11,9 @@
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
-GST_START_TEST(test_caps_change)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_caps_change)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -29,10 +31,9 @@ GST_START_TEST(test_caps_change)
   fail_unless(volts[2].empty());
   fail_unless(volts[3] == (std::vector<double>{ 3.0, 0.0 }));
 }
-GST_END_TEST;
 
 /// The grid changes while a level does not: the motor stays on, and the new cell's motor joins it.
-GST_START_TEST(test_grid_change_keeps_steady_levels)
+CHECK_TEST(test_grid_change_keeps_steady_levels)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -49,11 +50,10 @@ GST_START_TEST(test_grid_change_keeps_steady_levels)
   assert_line(lines[2], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0.0);
   assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
 }
-GST_END_TEST;
 
 /// Maps of sound are taken at once, and leave the blocks of 200 ms as they are: a weaker picture
 /// waits for the next block, one that is stronger than what is felt begins a block.
-GST_START_TEST(test_sound_between_blocks)
+CHECK_TEST(test_sound_between_blocks)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -79,10 +79,9 @@ GST_START_TEST(test_sound_between_blocks)
   assert_line(lines[1], 3 * kFrame, 3 * kFrame, 3 * kFrame, 0, 0);
   assert_line(lines[2], 4 * kFrame, 4 * kFrame, 4 * kFrame, 0, 1.5);
 }
-GST_END_TEST;
 
 /// A stream without times plays as it arrives.
-GST_START_TEST(test_segment_in_bytes)
+CHECK_TEST(test_segment_in_bytes)
 {
   SinkRig rig;
   GstSegment segment;
@@ -91,10 +90,9 @@ GST_START_TEST(test_segment_in_bytes)
   rig.run_to_end([&] { ck_assert_int_eq(rig.push(0, { 1.0f }), GST_FLOW_OK); });
   assert_silent_at_end(rig.trace());
 }
-GST_END_TEST;
 
 /// A trace that cannot be written causes a warning at the end.
-GST_START_TEST(test_full_disk_causes_a_warning)
+CHECK_TEST(test_full_disk_causes_a_warning)
 {
   if (access("/dev/full", W_OK) != 0)
     return;
@@ -104,9 +102,8 @@ GST_START_TEST(test_full_disk_causes_a_warning)
   gst_element_set_state(rig.element, GST_STATE_READY);
   fail_unless(rig.messages.has(GST_MESSAGE_WARNING));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_video_frames_with_and_without_meta)
+CHECK_TEST(test_video_frames_with_and_without_meta)
 {
   SinkRig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
   rig.uncompensated();
@@ -127,9 +124,8 @@ GST_START_TEST(test_video_frames_with_and_without_meta)
   assert_line(lines[0], 0, 0, 0, 1, 3.0);
   assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_missing_pts_follow_each_other)
+CHECK_TEST(test_missing_pts_follow_each_other)
 {
   SinkRig rig;
   g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
@@ -143,10 +139,9 @@ GST_START_TEST(test_missing_pts_follow_each_other)
   assert_line(lines[1], 440 * kMs, 440 * kMs, 440 * kMs, 0, 1.5);
   assert_line(lines[2], 480 * kMs, 480 * kMs, 480 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// Frames that have neither time stamps nor a rate are felt when they come, and a warning says so.
-GST_START_TEST(test_frames_without_times)
+CHECK_TEST(test_frames_without_times)
 {
   SinkRig rig("application/x-tactile-map,rows=1,columns=1,framerate=0/1");
   rig.uncompensated();
@@ -170,10 +165,9 @@ GST_START_TEST(test_frames_without_times)
   assert_line(lines[1], 1480 * kMs, 1480 * kMs, 1480 * kMs, 0, 1.5);
   assert_line(lines[2], 1720 * kMs, 1720 * kMs, 1720 * kMs, 0, 0);
 }
-GST_END_TEST;
 
 /// One warning says that the times of maps do not advance.
-GST_START_TEST(test_standing_times)
+CHECK_TEST(test_standing_times)
 {
   SinkRig rig;
   g_object_set(rig.element, "sync", FALSE, nullptr);
@@ -185,10 +179,9 @@ GST_START_TEST(test_standing_times)
   fail_unless(said.text.find("do not advance") != std::string::npos, "%s", said.text.c_str());
   fail_if(rig.messages.has(GST_MESSAGE_WARNING));
 }
-GST_END_TEST;
 
 /// Where nothing paces them, they follow each other.
-GST_START_TEST(test_frames_without_times_or_clock)
+CHECK_TEST(test_frames_without_times_or_clock)
 {
   SinkRig rig("application/x-tactile-map,rows=1,columns=1,framerate=0/1");
   rig.uncompensated();
@@ -202,10 +195,9 @@ GST_START_TEST(test_frames_without_times_or_clock)
   for (std::size_t i = 0; i < lines.size(); i++)
     ck_assert_int_eq(lines[i].due, static_cast<gint64>(i + 1) * (GST_SECOND / 30));
 }
-GST_END_TEST;
 
 /// A GAP that stands for lost packets does not end a cue, unlike one that stands for nothing.
-GST_START_TEST(test_lost_data_are_no_gap)
+CHECK_TEST(test_lost_data_are_no_gap)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -229,11 +221,10 @@ GST_START_TEST(test_lost_data_are_no_gap)
   assert_line(lines[2], 440 * kMs, 440 * kMs, 440 * kMs, 0, 3.0);
   assert_line(lines[3], 600 * kMs, 600 * kMs, 600 * kMs, 0, 0);
 }
-GST_END_TEST;
 
 /// The pad's offset puts a second of the stream before the pipeline's zero. What is felt then does
 /// not put off what follows.
-GST_START_TEST(test_negative_running_time)
+CHECK_TEST(test_negative_running_time)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -254,9 +245,8 @@ GST_START_TEST(test_negative_running_time)
   assert_line(lines[0], 0, 0, 0, 0, 1.5);
   assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_size_is_an_error)
+CHECK_TEST(test_wrong_size_is_an_error)
 {
   SinkRig rig;
   rig.start();
@@ -265,9 +255,8 @@ GST_START_TEST(test_wrong_size_is_an_error)
   ck_assert_int_eq(flow, GST_FLOW_ERROR);
   fail_unless(rig.messages.has(GST_MESSAGE_ERROR));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_absurd_caps_are_refused)
+CHECK_TEST(test_absurd_caps_are_refused)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
   GstPad *pad = gst_element_get_static_pad(h->element, "sink");
@@ -281,10 +270,9 @@ GST_START_TEST(test_absurd_caps_are_refused)
   gst_object_unref(pad);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 /// tactor://SERIAL sets driver=firmata and device=SERIAL, with any serial number.
-GST_START_TEST(test_uri)
+CHECK_TEST(test_uri)
 {
   const std::pair<const char *, const char *> uris[] = {
     { "tactor://75833353035351F0C0A1", "75833353035351F0C0A1" },
@@ -316,7 +304,6 @@ GST_START_TEST(test_uri)
     gst_object_unref(sink);
   }
 }
-GST_END_TEST;
 
 /// Errors name the requested value, and nothing plays.
 static void
@@ -333,7 +320,7 @@ check_start_error(const char *property, const char *value, const char *expected)
   gst_element_set_state(sink, GST_STATE_NULL);
 }
 
-GST_START_TEST(test_start_errors)
+CHECK_TEST(test_start_errors)
 {
   check_start_error("driver", "telepathy", "telepathy");
   check_start_error("driver", "telepathy", "simulator");
@@ -342,9 +329,8 @@ GST_START_TEST(test_start_errors)
   check_start_error("mapping", "2;1;0", "'2;1;0'");
   check_start_error("mapping", "2;1;0", "as in 2,1,0");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping_in_words)
+CHECK_TEST(test_mapping_in_words)
 {
   g_autoptr(GstElement) sink = make_tactorsink();
   const ElementBus messages(sink);
@@ -363,12 +349,11 @@ GST_START_TEST(test_mapping_in_words)
   assert_contains(messages.said(GST_MESSAGE_WARNING).text,
                   { "mapping stays", "number 2 is '4096'", "from 0 to 4095", "as in 2,1,0" });
 }
-GST_END_TEST;
 
 /// Warnings that were logged.
 static std::string warnings;
 
-GST_START_TEST(test_refused_numbers_name_their_range)
+CHECK_TEST(test_refused_numbers_name_their_range)
 {
   g_autoptr(GstElement) sink = make_tactorsink();
   const auto refused = [&](const char *property, const char *value) {
@@ -393,11 +378,10 @@ GST_START_TEST(test_refused_numbers_name_their_range)
   g_object_get(sink, "max-lead", &max_lead, nullptr);
   ck_assert_uint_eq(max_lead, GST_SECOND);
 }
-GST_END_TEST;
 
 /// max-lead's default of 180 ms and a margin of 10 ms are 5.7 frames at 30 fps: 6, and the frame
 /// that is shown.
-GST_START_TEST(test_allocation_asks_for_lookahead)
+CHECK_TEST(test_allocation_asks_for_lookahead)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
   GstCaps *caps = gst_caps_from_string("video/x-raw,format=I420,width=64,height=48,framerate=30/1");
@@ -414,10 +398,9 @@ GST_START_TEST(test_allocation_asks_for_lookahead)
   gst_object_unref(pad);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
 /// All other sinks are delayed by this sink's render-delay.
-GST_START_TEST(test_render_delay_is_the_lead)
+CHECK_TEST(test_render_delay_is_the_lead)
 {
   g_autoptr(GstElement) sink = make_tactorsink();
   g_object_set(sink, "max-lead", 80 * GST_MSECOND, nullptr);
@@ -435,35 +418,5 @@ GST_START_TEST(test_render_delay_is_the_lead)
   ck_assert_int_eq(max_lateness, -1);
   gst_element_set_state(sink, GST_STATE_NULL);
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_input_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_input");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_caps_change);
-  tcase_add_test(cases, test_grid_change_keeps_steady_levels);
-  tcase_add_test(cases, test_sound_between_blocks);
-  tcase_add_test(cases, test_segment_in_bytes);
-  tcase_add_test(cases, test_full_disk_causes_a_warning);
-  tcase_add_test(cases, test_video_frames_with_and_without_meta);
-  tcase_add_test(cases, test_missing_pts_follow_each_other);
-  tcase_add_test(cases, test_frames_without_times);
-  tcase_add_test(cases, test_standing_times);
-  tcase_add_test(cases, test_frames_without_times_or_clock);
-  tcase_add_test(cases, test_negative_running_time);
-  tcase_add_test(cases, test_lost_data_are_no_gap);
-  tcase_add_test(cases, test_wrong_size_is_an_error);
-  tcase_add_test(cases, test_absurd_caps_are_refused);
-  tcase_add_test(cases, test_uri);
-  tcase_add_test(cases, test_start_errors);
-  tcase_add_test(cases, test_mapping_in_words);
-  tcase_add_test(cases, test_refused_numbers_name_their_range);
-  tcase_add_test(cases, test_allocation_asks_for_lookahead);
-  tcase_add_test(cases, test_render_delay_is_the_lead);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_input);
+CHECK_MAIN(tactorsink_input)

@@ -4,7 +4,9 @@
 // limits themselves.
 #include "support/tactorsink_rig.h"
 
-GST_START_TEST(test_defaults_protect_motors)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_defaults_protect_motors)
 {
   g_autoptr(GstElement) sink = make_tactorsink();
   guint64 max_on_time = 0;
@@ -26,9 +28,8 @@ GST_START_TEST(test_defaults_protect_motors)
   ck_assert_uint_eq(max_on_time, 1000000000 * GST_SECOND);
   fail_unless(kick_start);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_max_on_time)
+CHECK_TEST(test_max_on_time)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -50,10 +51,9 @@ GST_START_TEST(test_max_on_time)
   assert_line(lines[2], 1400 * kMs, 1400 * kMs, 1400 * kMs, 0, 1.5);
   assert_line(lines[3], 1600 * kMs, 1600 * kMs, 1600 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// No more data, not even EOS: the motor stops on time nevertheless.
-GST_START_TEST(test_max_on_time_without_another_map)
+CHECK_TEST(test_max_on_time_without_another_map)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -71,10 +71,9 @@ GST_START_TEST(test_max_on_time_without_another_map)
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[1], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// A thread of the application has the element's lock, and gets no CPU time: motors stop in time.
-GST_START_TEST(test_max_on_time_while_others_have_the_lock)
+CHECK_TEST(test_max_on_time_while_others_have_the_lock)
 {
   SinkRig rig("application/x-tactile-map,rows=1,columns=2,framerate=25/1");
   rig.uncompensated();
@@ -98,10 +97,9 @@ GST_START_TEST(test_max_on_time_while_others_have_the_lock)
   fail_unless(lines.size() >= 3);
   assert_line(lines[2], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// Without the clock the film's time counts.
-GST_START_TEST(test_max_on_time_without_the_clock)
+CHECK_TEST(test_max_on_time_without_the_clock)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -114,10 +112,9 @@ GST_START_TEST(test_max_on_time_without_the_clock)
   assert_line(lines[0], 0, 0, 0, 0, 3.0);
   assert_line(lines[1], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// EOS comes before another block could notice that the cue has run out.
-GST_START_TEST(test_cue_runs_out_in_the_last_block)
+CHECK_TEST(test_cue_runs_out_in_the_last_block)
 {
   for (const bool sync : { true, false }) {
     SinkRig rig;
@@ -131,10 +128,9 @@ GST_START_TEST(test_cue_runs_out_in_the_last_block)
     assert_line(lines[1], 100 * kMs, 100 * kMs, 100 * kMs, 0, 0.0);
   }
 }
-GST_END_TEST;
 
 /// 600 ms in any minute: time on before a seek counts after it.
-GST_START_TEST(test_max_duty_outlives_a_seek)
+CHECK_TEST(test_max_duty_outlives_a_seek)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -160,9 +156,8 @@ GST_START_TEST(test_max_duty_outlives_a_seek)
   fail_unless(lines[2].volts == 1.5 && lines[2].effect == 0);
   assert_line(lines[3], 250 * kMs, 250 * kMs, 250 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_max_active)
+CHECK_TEST(test_max_active)
 {
   SinkRig rig("application/x-tactile-map,rows=1,columns=3,framerate=25/1");
   rig.uncompensated();
@@ -180,10 +175,9 @@ GST_START_TEST(test_max_active)
             + (line.volts > 0 ? "+ " : "- ");
   ck_assert_str_eq(told.c_str(), "0:1+ 0:2+ 200:0+ 200:2- 400:2+ 440:0- 440:1- 440:2- ");
 }
-GST_END_TEST;
 
 /// After the start and after a pause, the first vibration rises in five steps.
-GST_START_TEST(test_ramp_in)
+CHECK_TEST(test_ramp_in)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -211,11 +205,10 @@ GST_START_TEST(test_ramp_in)
   assert_line(lines[5], 140 * kMs, 140 * kMs, 140 * kMs, 0, 0.0);
   assert_silent_at_end(lines);
 }
-GST_END_TEST;
 
 /// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but for at least
 /// 10 ms.
-GST_START_TEST(test_kick_start)
+CHECK_TEST(test_kick_start)
 {
   SinkRig rig;
   g_object_set(rig.element, "kick-start", TRUE, nullptr);
@@ -229,7 +222,6 @@ GST_START_TEST(test_kick_start)
   assert_line(lines[1], 1000 * kMs, 1000 * kMs, 1000 * kMs, 0, 0.6);
   assert_line(lines[2], 1200 * kMs, 1200 * kMs, 1200 * kMs, 0, 0.0);
 }
-GST_END_TEST;
 
 /// The message that the latency has changed is posted while the board is being opened.
 static GstBusSyncReply
@@ -243,7 +235,7 @@ mute_at_new_latency(GstBus *, GstMessage *message, gpointer muted)
 }
 
 /// Muted after the settings of the play were read: the motors stand still nevertheless.
-GST_START_TEST(test_muted_while_opening)
+CHECK_TEST(test_muted_while_opening)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -255,26 +247,5 @@ GST_START_TEST(test_muted_while_opening)
   ck_assert_uint_eq(rig.stat("issued"), 2);
   ck_assert_uint_eq(rig.trace().size(), 0); // nothing changed at the motor
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_limits_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_limits");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_defaults_protect_motors);
-  tcase_add_test(cases, test_max_on_time);
-  tcase_add_test(cases, test_muted_while_opening);
-  tcase_add_test(cases, test_max_on_time_without_another_map);
-  tcase_add_test(cases, test_max_on_time_while_others_have_the_lock);
-  tcase_add_test(cases, test_max_on_time_without_the_clock);
-  tcase_add_test(cases, test_cue_runs_out_in_the_last_block);
-  tcase_add_test(cases, test_max_duty_outlives_a_seek);
-  tcase_add_test(cases, test_max_active);
-  tcase_add_test(cases, test_ramp_in);
-  tcase_add_test(cases, test_kick_start);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_limits);
+CHECK_MAIN(tactorsink_limits)

@@ -10,9 +10,11 @@
 #include "support/temporary_file.h"
 #include "trace.h"
 
+#include "support/check_tests.h"
+
 /// The picture of a live source waits all the time: for twice what the opening measured, not for
 /// the longest that is possible. Nothing leads by more than that.
-GST_START_TEST(test_latency_of_a_live_source)
+CHECK_TEST(test_latency_of_a_live_source)
 {
   GstPad *source = gst_pad_new("src", GST_PAD_SRC);
   gst_pad_set_query_function(source, [](GstPad *, GstObject *, GstQuery *query) -> gboolean {
@@ -42,10 +44,9 @@ GST_START_TEST(test_latency_of_a_live_source)
   }
   gst_object_unref(source);
 }
-GST_END_TEST;
 
 /// A live film is shown while the device is opened. All sinks wait for the device from then on.
-GST_START_TEST(test_latency_of_a_live_film)
+CHECK_TEST(test_latency_of_a_live_film)
 {
   constexpr GstClockTime kLeast = (180 + 10 + 20 + 2 * 60) * GST_MSECOND;
   HapticServer server({ "bhaptics", "slow=60" });
@@ -66,17 +67,5 @@ GST_START_TEST(test_latency_of_a_live_film)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_live_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_live");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_latency_of_a_live_source);
-  tcase_add_test(tests, test_latency_of_a_live_film);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_live);
+CHECK_MAIN(tactorsink_live)

@@ -12,8 +12,10 @@
 #include "support/temporary_file.h"
 #include "trace.h"
 
+#include "support/check_tests.h"
+
 /// The map's cells are felt where they are seen.
-GST_START_TEST(test_places)
+CHECK_TEST(test_places)
 {
   ServerRig rig("bhaptics", "vest", { "bhaptics" });
   rig.start(5, 4);
@@ -24,11 +26,10 @@ GST_START_TEST(test_places)
   rig.server.wait_for_line("motors VestFront 0=100 19=100");
   ck_assert_uint_eq(rig.infos("share motors"), 0);
 }
-GST_END_TEST;
 
 /// Several cells of a finer map share a motor, which is told once; a coarser one has several motors
 /// a cell.
-GST_START_TEST(test_grids)
+CHECK_TEST(test_grids)
 {
   ServerRig rig("bhaptics", "vest-back", { "bhaptics" });
   rig.start(10, 8);
@@ -51,11 +52,10 @@ GST_START_TEST(test_grids)
   ck_assert_int_eq(coarse.push({ 0, 0, 0, 1 }), GST_FLOW_OK);
   coarse.server.wait_for_line("motors Head 3=100 4=100 5=100");
 }
-GST_END_TEST;
 
 /// max-active keeps the strongest cells, each with all of its motors. That is told once, and only
 /// if it keeps any off.
-GST_START_TEST(test_max_active)
+CHECK_TEST(test_max_active)
 {
   for (const auto &[device, max_active, front, back, told] :
        { std::tuple{ "vest", 2U, "motors VestFront 7=100 9=80", "motors VestBack 7=100 9=80", 1U },
@@ -78,10 +78,9 @@ GST_START_TEST(test_max_active)
     ck_assert_uint_eq(rig.infos("more would vibrate at once than max-active allows"), told);
   }
 }
-GST_END_TEST;
 
 /// Back, front or both, by `device`.
-GST_START_TEST(test_sides)
+CHECK_TEST(test_sides)
 {
   for (const auto &[device, position] :
        { std::pair{ "", "VestBack" }, std::pair{ "vest-front", "VestFront" } }) {
@@ -96,10 +95,9 @@ GST_START_TEST(test_sides)
     ck_assert_uint_eq(rig.server.lines(other).size(), 0);
   }
 }
-GST_END_TEST;
 
 /// A mapping counts instead of the layout.
-GST_START_TEST(test_mapping)
+CHECK_TEST(test_mapping)
 {
   ServerRig rig("intiface", "Test Vibrator", { "buttplug4" });
   g_object_set(rig.element, "mapping", "1,-1", nullptr);
@@ -107,9 +105,8 @@ GST_START_TEST(test_mapping)
   ck_assert_int_eq(rig.push({ 1, 1 }), GST_FLOW_OK);
   rig.server.wait_for_line("motors 0 2=20");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_zero_on_ways_out)
+CHECK_TEST(test_zero_on_ways_out)
 {
   for (const Case &one : kCases) {
     for (const GstState state : { GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL }) {
@@ -144,11 +141,10 @@ GST_START_TEST(test_zero_on_ways_out)
     last.server.wait_for_line(one.zero);
   }
 }
-GST_END_TEST;
 
 /// Nothing that stops motors waits for a server that answers no more. Devices of Intiface are told
 /// so by a zero: what stops them when the server is left, 5 s later, is another message.
-GST_START_TEST(test_zero_waits_for_no_answer)
+CHECK_TEST(test_zero_waits_for_no_answer)
 {
   const std::pair<const char *, void (*)(ServerRig &)> ways[] = {
     { "map",
@@ -193,11 +189,10 @@ GST_START_TEST(test_zero_waits_for_no_answer)
       fail_unless(stops() == before || std::string(name) == "stop", "%s of %s", name, one.kind);
     }
 }
-GST_END_TEST;
 
 /// The time that answers take is led by, also when it becomes longer during the play. There is room
 /// for it from the beginning.
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   for (const Case &one : kCases) {
     const TemporaryFile trace;
@@ -222,10 +217,9 @@ GST_START_TEST(test_latency)
     fail_unless(std::ranges::max(leads) <= std::chrono::milliseconds(150));
   }
 }
-GST_END_TEST;
 
 /// The film goes on without its server, and is felt again when that is back.
-GST_START_TEST(test_server_gone_and_back)
+CHECK_TEST(test_server_gone_and_back)
 {
   for (const Case &one : kCases) {
     ServerRig rig(one.driver, one.device, { one.kind });
@@ -240,24 +234,5 @@ GST_START_TEST(test_server_gone_and_back)
     back.wait_for_line(one.full);
   }
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_server_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_server");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_places);
-  tcase_add_test(tests, test_grids);
-  tcase_add_test(tests, test_max_active);
-  tcase_add_test(tests, test_sides);
-  tcase_add_test(tests, test_mapping);
-  tcase_add_test(tests, test_zero_on_ways_out);
-  tcase_add_test(tests, test_zero_waits_for_no_answer);
-  tcase_add_test(tests, test_latency);
-  tcase_add_test(tests, test_server_gone_and_back);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_server);
+CHECK_MAIN(tactorsink_server)

@@ -9,13 +9,14 @@
 
 #include <cmath>
 
+#include "support/check_tests.h"
+
 /// Two chairs with different motors.
-GST_START_TEST(test_two_chairs)
+CHECK_TEST(test_two_chairs)
 {
   TwoDevices devices("driver=simulator", "driver=simulator");
   devices.expect_one_film();
 }
-GST_END_TEST;
 
 namespace {
 
@@ -76,7 +77,7 @@ private:
 } // namespace
 
 /// A chair and a shaker at a sound card, each early by its own rise time.
-GST_START_TEST(test_chair_and_shaker)
+CHECK_TEST(test_chair_and_shaker)
 {
   const TemporaryFile trace;
   const Ones ones;
@@ -117,17 +118,5 @@ GST_START_TEST(test_chair_and_shaker)
     ck_assert_uint_eq(i, changes.size());
   }
 }
-GST_END_TEST;
 
-static Suite *
-tactorsink_two_suite(void)
-{
-  Suite *suite = suite_create("tactorsink_two");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_two_chairs);
-  tcase_add_test(tests, test_chair_and_shaker);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactorsink_two);
+CHECK_MAIN(tactorsink_two)

@@ -9,6 +9,8 @@
 #include "support/playing.h"
 #include <gst/check/gstharness.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// Holds the first buffer at a source pad while it lives. What negotiates before it passes.
@@ -95,7 +97,7 @@ picture()
 
 } // namespace
 
-GST_START_TEST(test_a_queue)
+CHECK_TEST(test_a_queue)
 {
   for (const bool leaks : { false, true }) {
     GstElement *queue = gst_element_factory_make("queue", nullptr);
@@ -110,10 +112,9 @@ GST_START_TEST(test_a_queue)
     gst_object_unref(queue);
   }
 }
-GST_END_TEST;
 
 /// Where the queue refuses data, as after an end, it tells of an end what it would have told.
-GST_START_TEST(test_a_refusing_queue)
+CHECK_TEST(test_a_refusing_queue)
 {
   GstElement *queue = gst_element_factory_make("queue", nullptr);
   let_streams_follow(queue);
@@ -125,10 +126,9 @@ GST_START_TEST(test_a_refusing_queue)
   gst_harness_teardown(harness);
   gst_object_unref(queue);
 }
-GST_END_TEST;
 
 /// The picture of the next film goes on in the decoder.
-GST_START_TEST(test_the_decoder)
+CHECK_TEST(test_the_decoder)
 {
   g_autoptr(GstBuffer) frame = picture();
   GstHarness *harness = gst_harness_new("visuotactiledecoder");
@@ -138,18 +138,5 @@ GST_START_TEST(test_the_decoder)
   ck_assert_str_eq(two_streams(harness, queue, frame, true).c_str(), "sesebb");
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
-static Suite *
-twostreams_suite(void)
-{
-  Suite *suite = suite_create("twostreams");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_a_queue);
-  tcase_add_test(cases, test_a_refusing_queue);
-  tcase_add_test(cases, test_the_decoder);
-  return suite;
-}
-
-GST_CHECK_MAIN(twostreams);
+CHECK_MAIN(twostreams)

@@ -13,6 +13,8 @@
 #include "support/playing.h"
 #include "support/settings_home.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 // Before GStreamer starts: a scan of the plugins reads the settings.
@@ -90,7 +92,7 @@ change(GstElement *pipeline, const std::string &settings, const char *property)
 
 /* ---- visuotactilesink ---- */
 
-GST_START_TEST(test_the_start_applies_them)
+CHECK_TEST(test_the_start_applies_them)
 {
   GstElement *pipeline = open_sink(
       "[chair]\ndriver=simulator\ngrid=2x4\nintensity=0.5\nsensitivity=2\nsound=music\n");
@@ -109,9 +111,8 @@ GST_START_TEST(test_the_start_applies_them)
   ck_assert_str_eq(sound_of(pipeline).c_str(), "music");
   close_sink(pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_what_the_player_set_stays)
+CHECK_TEST(test_what_the_player_set_stays)
 {
   GstElement *pipeline = open_sink("[chair]\ngrid=2x4\nintensity=0.5\n",
                                    "driver=simulator columns=7 intensity=0.25");
@@ -126,9 +127,8 @@ GST_START_TEST(test_what_the_player_set_stays)
   fail_unless(intensity(pipeline) == 0.25);
   close_sink(pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_changes_apply_while_it_plays)
+CHECK_TEST(test_changes_apply_while_it_plays)
 {
   GstElement *pipeline = open_sink("[chair]\ndriver=simulator\nintensity=0.5\n");
   change(pipeline, "[chair]\ndriver=simulator\ngrid=5x5\nintensity=0.75\n", "intensity");
@@ -142,9 +142,8 @@ GST_START_TEST(test_changes_apply_while_it_plays)
   fail_unless(intensity(pipeline) == 1);
   close_sink(pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_off_only_shows)
+CHECK_TEST(test_off_only_shows)
 {
   home.write("[chair]\nenabled=false\n");
   GstElement *pipeline
@@ -173,7 +172,6 @@ GST_START_TEST(test_off_only_shows)
   ck_assert_uint_eq(stat_of(child(pipeline, "analysis"), "analyzed"), 5);
   close_sink(pipeline);
 }
-GST_END_TEST;
 
 static GstClockTime
 latency_of(const std::string &sink)
@@ -189,7 +187,7 @@ latency_of(const std::string &sink)
   return min;
 }
 
-GST_START_TEST(test_off_is_not_late)
+CHECK_TEST(test_off_is_not_late)
 {
   const std::string chair = "visuotactilesink driver=simulator video-sink=fakesink";
   const GstClockTime plain = latency_of("fakesink");
@@ -198,9 +196,8 @@ GST_START_TEST(test_off_is_not_late)
   home.write("[chair]\nenabled=false\n");
   ck_assert_uint_eq(latency_of(chair), plain);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_ones_are_told)
+CHECK_TEST(test_wrong_ones_are_told)
 {
   home.write("[chair]\nintensity=9\nmute=true\n");
   GstElement *sink = gst_element_factory_make("visuotactilesink", nullptr);
@@ -217,7 +214,6 @@ GST_START_TEST(test_wrong_ones_are_told)
   change_state(sink, GST_STATE_NULL);
   gst_object_unref(sink);
 }
-GST_END_TEST;
 
 /* ---- visuotactiledecoder ---- */
 
@@ -235,7 +231,7 @@ opens(const char *settings)
   return opened;
 }
 
-GST_START_TEST(test_the_decoder_is_for_programs_that_are_on)
+CHECK_TEST(test_the_decoder_is_for_programs_that_are_on)
 {
   const std::string own = g_get_prgname();
   fail_unless(opens(""));
@@ -246,24 +242,5 @@ GST_START_TEST(test_the_decoder_is_for_programs_that_are_on)
   fail_if(opens(("[chair]\nenabled=true\n[" + own + "]\nenabled=false\n").c_str()));
   fail_if(opens("[totem]\nenabled=true\n"));
 }
-GST_END_TEST;
 
-static Suite *
-visuotactile_settings_suite(void)
-{
-  Suite *suite = suite_create("visuotactile_settings");
-  TCase *sink = tcase_create("visuotactilesink");
-  suite_add_tcase(suite, sink);
-  tcase_add_test(sink, test_the_start_applies_them);
-  tcase_add_test(sink, test_what_the_player_set_stays);
-  tcase_add_test(sink, test_changes_apply_while_it_plays);
-  tcase_add_test(sink, test_off_only_shows);
-  tcase_add_test(sink, test_off_is_not_late);
-  tcase_add_test(sink, test_wrong_ones_are_told);
-  TCase *decoder = tcase_create("visuotactiledecoder");
-  suite_add_tcase(suite, decoder);
-  tcase_add_test(decoder, test_the_decoder_is_for_programs_that_are_on);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactile_settings)
+CHECK_MAIN(visuotactile_settings)

@@ -12,6 +12,8 @@
 #include <gst/base/gstbasesink.h>
 #include <gst/check/gstharness.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr GstClockTime kMs = GST_MSECOND;
@@ -63,7 +65,7 @@ decoded_by(GstElement *decoder)
 
 } // namespace
 
-GST_START_TEST(test_the_best_decoder)
+CHECK_TEST(test_the_best_decoder)
 {
   GstHarness *harness = make_harness();
   fail_unless(accepts(harness->element, "image/jpeg, width=160, height=120"));
@@ -77,9 +79,8 @@ GST_START_TEST(test_the_best_decoder)
   gst_harness_teardown(harness);
   rank_decoder("jpegdec", GST_RANK_PRIMARY);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_only_a_stream_replaces_a_decoder)
+CHECK_TEST(test_only_a_stream_replaces_a_decoder)
 {
   GstHarness *harness = make_harness();
   fail_unless(accepts(harness->element, "image/jpeg, width=160, height=120"));
@@ -94,9 +95,8 @@ GST_START_TEST(test_only_a_stream_replaces_a_decoder)
   fail_unless(decoded_by(harness->element) == " theoradec");
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_two_threads_ask)
+CHECK_TEST(test_two_threads_ask)
 {
   for (int i = 0; i < 10; i++) {
     GstHarness *harness = make_harness();
@@ -111,10 +111,9 @@ GST_START_TEST(test_two_threads_ask)
     gst_harness_teardown(harness);
   }
 }
-GST_END_TEST;
 
 /// A parser alone is no promise. Each decoder leaves the registry, and returns.
-GST_START_TEST(test_what_nobody_decodes_behind_a_parser)
+CHECK_TEST(test_what_nobody_decodes_behind_a_parser)
 {
   g_autoptr(GstCaps) h264 = gst_caps_from_string("video/x-h264");
   GList *all = gst_element_factory_list_get_elements(
@@ -138,9 +137,8 @@ GST_START_TEST(test_what_nobody_decodes_behind_a_parser)
   gst_plugin_feature_list_free(gone);
   gst_plugin_feature_list_free(all);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_what_nobody_decodes)
+CHECK_TEST(test_what_nobody_decodes)
 {
   GstHarness *harness = make_harness();
   fail_if(accepts(harness->element, "video/x-none-such, width=160, height=120"));
@@ -154,9 +152,8 @@ GST_START_TEST(test_what_nobody_decodes)
   fail_if(gst_caps_can_intersect(caps, unknown));
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_stream_that_needs_a_parser)
+CHECK_TEST(test_a_stream_that_needs_a_parser)
 {
   GstElement *pipeline = make_pipeline(
       "videotestsrc num-buffers=10 ! video/x-raw,width=160,height=120 ! x264enc tune=zerolatency ! "
@@ -170,7 +167,6 @@ GST_START_TEST(test_a_stream_that_needs_a_parser)
               decoded_by(decoder).c_str());
   play_to_the_end(pipeline);
 }
-GST_END_TEST;
 
 /// Bases of the segments that the analysis gets.
 struct Bases
@@ -235,7 +231,7 @@ send_qos(GstHarness *harness, GstClockTime shown, gint64 offset)
   gst_harness_push_upstream_event(harness, qos);
 }
 
-GST_START_TEST(test_films_one_after_the_other)
+CHECK_TEST(test_films_one_after_the_other)
 {
   GstHarness *encoder = gst_harness_new("jpegenc");
   gst_harness_set_src_caps_str(encoder,
@@ -273,9 +269,8 @@ GST_START_TEST(test_films_one_after_the_other)
   gst_harness_teardown(harness);
   gst_harness_teardown(encoder);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_another_size)
+CHECK_TEST(test_another_size)
 {
   GstElement *pipeline = make_pipeline(
       "concat name=c ! visuotactiledecoder name=decoder tactors::driver=simulator ! "
@@ -293,9 +288,8 @@ GST_START_TEST(test_another_size)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_the_latency_of_a_live_source)
+CHECK_LOOP_TEST(test_the_latency_of_a_live_source, 0, 2)
 {
   const bool live = __i__ == 1;
   GstElement *pipeline = make_pipeline(
@@ -332,7 +326,6 @@ GST_START_TEST(test_the_latency_of_a_live_source)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 GstPadProbeReturn
 forget_time(GstPad *, GstPadProbeInfo *info, gpointer)
@@ -343,7 +336,7 @@ forget_time(GstPad *, GstPadProbeInfo *info, gpointer)
   return GST_PAD_PROBE_OK;
 }
 
-GST_START_TEST(test_frames_without_times_do_not_pile_up)
+CHECK_TEST(test_frames_without_times_do_not_pile_up)
 {
   GstElement *pipeline
       = make_pipeline("videotestsrc num-buffers=100 ! "
@@ -367,9 +360,8 @@ GST_START_TEST(test_frames_without_times_do_not_pile_up)
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_messages_of_the_chair)
+CHECK_TEST(test_messages_of_the_chair)
 {
   GstHarness *harness = make_harness();
   ElementBus bus(harness->element);
@@ -384,26 +376,5 @@ GST_START_TEST(test_messages_of_the_chair)
   g_object_unref(tactors);
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
-static Suite *
-visuotactiledecoder_suite(void)
-{
-  Suite *suite = suite_create("visuotactiledecoder");
-  TCase *streams = tcase_create("streams");
-  suite_add_tcase(suite, streams);
-  tcase_add_test(streams, test_the_best_decoder);
-  tcase_add_test(streams, test_only_a_stream_replaces_a_decoder);
-  tcase_add_test(streams, test_two_threads_ask);
-  tcase_add_test(streams, test_what_nobody_decodes);
-  tcase_add_test(streams, test_what_nobody_decodes_behind_a_parser);
-  tcase_add_test(streams, test_a_stream_that_needs_a_parser);
-  tcase_add_test(streams, test_films_one_after_the_other);
-  tcase_add_test(streams, test_another_size);
-  tcase_add_loop_test(streams, test_the_latency_of_a_live_source, 0, 2);
-  tcase_add_test(streams, test_frames_without_times_do_not_pile_up);
-  tcase_add_test(streams, test_messages_of_the_chair);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactiledecoder);
+CHECK_MAIN(visuotactiledecoder)

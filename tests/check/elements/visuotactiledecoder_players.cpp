@@ -23,6 +23,8 @@
 #include "support/temporary_file.h"
 #include "trace.h"
 
+#include "support/check_tests.h"
+
 using tactor::IssuedCommand;
 
 namespace {
@@ -220,7 +222,7 @@ private:
 
 } // namespace
 
-GST_START_TEST(test_a_player_is_felt)
+CHECK_LOOP_TEST(test_a_player_is_felt, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 60);
@@ -232,9 +234,8 @@ GST_START_TEST(test_a_player_is_felt)
   ck_assert_uint_eq(player.shown.size(), 60);
   player.assert_commands_are_the_frames(5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_the_picture_is_the_same)
+CHECK_LOOP_TEST(test_the_picture_is_the_same, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 60);
@@ -250,9 +251,8 @@ GST_START_TEST(test_the_picture_is_the_same)
   ck_assert_uint_eq(plain.shown.size(), 60);
   fail_unless(felt.shown == plain.shown);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_pause_is_silent)
+CHECK_LOOP_TEST(test_a_pause_is_silent, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 240);
@@ -269,9 +269,8 @@ GST_START_TEST(test_a_pause_is_silent)
   player.wait_for_commands(5);
   player.assert_commands_are_the_frames(5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seeks)
+CHECK_LOOP_TEST(test_seeks, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 240);
@@ -285,11 +284,10 @@ GST_START_TEST(test_seeks)
   player.wait_for_commands(3);
   player.assert_commands_are_the_frames(10);
 }
-GST_END_TEST;
 
 /* GStreamer leaves the decoder in PLAYING then. The wait is until the last frame that is ahead
  * would have been felt. */
-GST_START_TEST(test_a_pause_before_a_seek_is_done)
+CHECK_LOOP_TEST(test_a_pause_before_a_seek_is_done, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 240);
@@ -309,7 +307,6 @@ GST_START_TEST(test_a_pause_before_a_seek_is_done)
   player.wait_for_commands(5);
   player.assert_commands_are_the_frames(5);
 }
-GST_END_TEST;
 
 /* Only playbin3: with these sinks, playbin of GStreamer 1.22 stops between the films, with and
  * without the chair. playbin3 loses frames there, so times are compared with the second film's
@@ -328,7 +325,7 @@ play_gapless(Player &player, const std::string &second)
   fail_unless(seen >= 30, "%d frames of the second film", static_cast<int>(seen));
 }
 
-GST_START_TEST(test_gapless)
+CHECK_TEST(test_gapless)
 {
   TemporaryFile first;
   TemporaryFile second;
@@ -349,10 +346,9 @@ GST_START_TEST(test_gapless)
   }
   fail_unless(checked >= 5, "%u commands of the second film", checked);
 }
-GST_END_TEST;
 
 /// What GStreamer itself does: `tests/machines/gstreamer.sh gapless` compares.
-GST_START_TEST(test_gapless_without_a_chair)
+CHECK_TEST(test_gapless_without_a_chair)
 {
   TemporaryFile first;
   TemporaryFile second;
@@ -363,9 +359,8 @@ GST_START_TEST(test_gapless_without_a_chair)
   play_gapless(player, second.path);
   ck_assert_uint_eq(player.decoders.size(), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_chair_that_fails)
+CHECK_LOOP_TEST(test_a_chair_that_fails, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 60);
@@ -378,10 +373,9 @@ GST_START_TEST(test_a_chair_that_fails)
   fail_unless(player.warnings.front().starts_with("The film plays without touch: "), "%s",
               player.warnings.front().c_str());
 }
-GST_END_TEST;
 
 /// The tactors wait for the play with a map in hand.
-GST_START_TEST(test_a_chair_that_fails_in_a_pause)
+CHECK_LOOP_TEST(test_a_chair_that_fails_in_a_pause, 0, 2)
 {
   TemporaryFile film;
   make_film(film.path, 120);
@@ -395,28 +389,5 @@ GST_START_TEST(test_a_chair_that_fails_in_a_pause)
   player.wait([&] { return player.ended; });
   ck_assert_uint_eq(player.warnings.size(), 1);
 }
-GST_END_TEST;
 
-static Suite *
-visuotactiledecoder_players_suite(void)
-{
-  Suite *suite = suite_create("visuotactiledecoder_players");
-  TCase *players = tcase_create("players");
-  suite_add_tcase(suite, players);
-  tcase_add_loop_test(players, test_a_player_is_felt, 0, 2);
-  tcase_add_loop_test(players, test_the_picture_is_the_same, 0, 2);
-  tcase_add_loop_test(players, test_a_pause_is_silent, 0, 2);
-  tcase_add_loop_test(players, test_seeks, 0, 2);
-  tcase_add_loop_test(players, test_a_pause_before_a_seek_is_done, 0, 2);
-  tcase_add_loop_test(players, test_a_chair_that_fails, 0, 2);
-  tcase_add_loop_test(players, test_a_chair_that_fails_in_a_pause, 0, 2);
-  TCase *gapless = tcase_create("gapless");
-  suite_add_tcase(suite, gapless);
-  tcase_add_test(gapless, test_gapless);
-  TCase *plain = tcase_create("gapless without the chair");
-  suite_add_tcase(suite, plain);
-  tcase_add_test(plain, test_gapless_without_a_chair);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactiledecoder_players);
+CHECK_MAIN(visuotactiledecoder_players)

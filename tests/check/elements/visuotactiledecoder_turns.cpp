@@ -6,6 +6,8 @@
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/playing.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A film's pipeline. Without a number of frames it goes on and on.
@@ -61,7 +63,7 @@ public:
 
 } // namespace
 
-GST_START_TEST(test_the_first_film_has_the_chair)
+CHECK_TEST(test_the_first_film_has_the_chair)
 {
   const Film first;
   const Film second;
@@ -77,10 +79,9 @@ GST_START_TEST(test_the_first_film_has_the_chair)
   third.wait_for_chair();
   fail_if(first.has_chair());
 }
-GST_END_TEST;
 
 /// Players may keep an old film, paused, beside the one that they show.
-GST_START_TEST(test_a_paused_film_makes_room)
+CHECK_TEST(test_a_paused_film_makes_room)
 {
   const Film first;
   const Film paused;
@@ -97,10 +98,9 @@ GST_START_TEST(test_a_paused_film_makes_room)
   first.wait_for_chair();
   fail_if(second.has_chair() || paused.has_chair());
 }
-GST_END_TEST;
 
 /// An advertisement beside it, which plays on, is not felt once the film goes on.
-GST_START_TEST(test_the_largest_picture)
+CHECK_TEST(test_the_largest_picture)
 {
   const Film small;
   const Film large("", "96");
@@ -115,9 +115,8 @@ GST_START_TEST(test_the_largest_picture)
   large.wait_for_chair();
   fail_if(small.has_chair());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_film_that_has_ended_makes_room)
+CHECK_TEST(test_a_film_that_has_ended_makes_room)
 {
   const Film first;
   const Film second;
@@ -135,10 +134,9 @@ GST_START_TEST(test_a_film_that_has_ended_makes_room)
   first.wait_for_chair();
   fail_if(second.has_chair());
 }
-GST_END_TEST;
 
 /// The film is felt from then on.
-GST_START_TEST(test_a_turn_in_the_middle_of_a_film)
+CHECK_TEST(test_a_turn_in_the_middle_of_a_film)
 {
   const Film first;
   const Film second("num-buffers=150");
@@ -149,20 +147,5 @@ GST_START_TEST(test_a_turn_in_the_middle_of_a_film)
   wait_for_eos(second.pipeline);
   fail_unless(second.issued() > 0);
 }
-GST_END_TEST;
 
-static Suite *
-visuotactiledecoder_turns_suite(void)
-{
-  Suite *suite = suite_create("visuotactiledecoder_turns");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_the_first_film_has_the_chair);
-  tcase_add_test(cases, test_a_paused_film_makes_room);
-  tcase_add_test(cases, test_the_largest_picture);
-  tcase_add_test(cases, test_a_film_that_has_ended_makes_room);
-  tcase_add_test(cases, test_a_turn_in_the_middle_of_a_film);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactiledecoder_turns);
+CHECK_MAIN(visuotactiledecoder_turns)

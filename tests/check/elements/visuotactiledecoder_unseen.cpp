@@ -8,10 +8,10 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/playing.h"
 #include "support/start_player.h"
 #include "support/temporary_file.h"
-#include <gst/check/gstcheck.h>
 
 namespace {
 
@@ -228,28 +228,14 @@ assert_alike(const char *playbin, bool sound)
 
 } // namespace
 
-GST_START_TEST(test_with_sound)
+CHECK_LOOP_TEST(test_with_sound, 0, G_N_ELEMENTS(kPlaybins))
 {
   assert_alike(kPlaybins[__i__], true);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_without_sound)
+CHECK_LOOP_TEST(test_without_sound, 0, G_N_ELEMENTS(kPlaybins))
 {
   assert_alike(kPlaybins[__i__], false);
 }
-GST_END_TEST;
 
-static Suite *
-visuotactiledecoder_unseen_suite(void)
-{
-  Suite *suite = suite_create("visuotactiledecoder_unseen");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_loop_test(tcase, test_with_sound, 0, G_N_ELEMENTS(kPlaybins));
-  tcase_add_loop_test(tcase, test_without_sound, 0, G_N_ELEMENTS(kPlaybins));
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactiledecoder_unseen);
+CHECK_MAIN(visuotactiledecoder_unseen)

@@ -6,6 +6,8 @@
 
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// Lowers the rank of all video sinks except the test's own.
@@ -47,7 +49,7 @@ same_range(GParamSpec *one, GParamSpec *other)
 }
 
 /// Type, range, default and flags of a property equal those of the child's property.
-GST_START_TEST(test_properties_are_the_childrens)
+CHECK_TEST(test_properties_are_the_childrens)
 {
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
   guint count = 0;
@@ -78,9 +80,8 @@ GST_START_TEST(test_properties_are_the_childrens)
   ck_assert_uint_eq(compared, 22);
   gst_object_unref(chair);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_values_reach_the_children)
+CHECK_TEST(test_values_reach_the_children)
 {
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
   g_object_set(chair, "rows", 5, "max-lead", 20 * GST_MSECOND, "mute", TRUE, "driver", "simulator",
@@ -111,7 +112,6 @@ GST_START_TEST(test_values_reach_the_children)
   gst_object_unref(tactors);
   gst_object_unref(chair);
 }
-GST_END_TEST;
 
 static void
 assert_fanned_out(GstElement *chair)
@@ -133,7 +133,7 @@ assert_fanned_out(GstElement *chair)
   gst_object_unref(tactors);
 }
 
-GST_START_TEST(test_fan_out)
+CHECK_TEST(test_fan_out)
 {
   register_test_sink(GST_RANK_NONE);
   for (const bool before : { true, false }) {
@@ -154,7 +154,6 @@ GST_START_TEST(test_fan_out)
     gst_object_unref(chair);
   }
 }
-GST_END_TEST;
 
 static void
 assert_direction(gpointer object, const gchar *property, GstVideoOrientationMethod expected)
@@ -166,7 +165,7 @@ assert_direction(gpointer object, const gchar *property, GstVideoOrientationMeth
 
 /// Picture and grid are rotated together. A given video sink is only set if the user sets the
 /// property.
-GST_START_TEST(test_video_direction)
+CHECK_TEST(test_video_direction)
 {
   hide_other_sinks();
   register_test_sink(GST_RANK_PRIMARY);
@@ -188,7 +187,6 @@ GST_START_TEST(test_video_direction)
     gst_object_unref(chair);
   }
 }
-GST_END_TEST;
 
 static GstPadProbeReturn
 keep_levels(GstPad *, GstPadProbeInfo *info, gpointer data)
@@ -201,7 +199,7 @@ keep_levels(GstPad *, GstPadProbeInfo *info, gpointer data)
 }
 
 /// A tag from upstream rotates the maps of the whole film.
-GST_START_TEST(test_phone_film)
+CHECK_TEST(test_phone_film)
 {
   const auto levels_of_film = [](const std::string &orientation) {
     std::vector<gfloat> levels;
@@ -227,10 +225,9 @@ GST_START_TEST(test_phone_film)
   }
   fail_unless(felt);
 }
-GST_END_TEST;
 
 /// Properties that are not set here keep the given sink's values, also if it is a bin.
-GST_START_TEST(test_given_sink_keeps_its_properties)
+CHECK_TEST(test_given_sink_keeps_its_properties)
 {
   Player player(kFilm + kSink
                 + "ts-offset=3 video-sink=\"identity ! fakesink name=inner sync=false\"");
@@ -242,11 +239,10 @@ GST_START_TEST(test_given_sink_keeps_its_properties)
   fail_if(sync);
   ck_assert_int_eq(offset, 3);
 }
-GST_END_TEST;
 
 /* ---- the video sink ---- */
 
-GST_START_TEST(test_overlay_and_navigation)
+CHECK_TEST(test_overlay_and_navigation)
 {
   register_test_sink(GST_RANK_NONE);
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
@@ -278,10 +274,9 @@ GST_START_TEST(test_overlay_and_navigation)
   gst_element_set_state(chair, GST_STATE_NULL);
   gst_object_unref(chair);
 }
-GST_END_TEST;
 
 /// If the sink lacks the interface, navigation events go upstream, for instance to a DVD's menu.
-GST_START_TEST(test_navigation_upstream)
+CHECK_TEST(test_navigation_upstream)
 {
   GstHarness *harness = gst_harness_new_parse(
       "visuotactilesink name=chair driver=simulator async=false video-sink=fakesink");
@@ -298,10 +293,9 @@ GST_START_TEST(test_navigation_upstream)
   gst_event_unref(event);
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
 /// No pad inside becomes a ghost pad of the surrounding bin.
-GST_START_TEST(test_in_a_described_bin)
+CHECK_TEST(test_in_a_described_bin)
 {
   g_autoptr(GError) error = nullptr;
   GstElement *bin = gst_parse_bin_from_description("identity ! visuotactilesink", TRUE, &error);
@@ -310,11 +304,10 @@ GST_START_TEST(test_in_a_described_bin)
   ck_assert_uint_eq(bin->numsrcpads, 0);
   gst_object_unref(bin);
 }
-GST_END_TEST;
 
 /// The highest-ranked usable sink is chosen: not itself, not one that would choose in turn, and not
 /// one that fails or is known to crash.
-GST_START_TEST(test_choice_by_rank)
+CHECK_TEST(test_choice_by_rank)
 {
   hide_other_sinks();
   register_test_sink(static_cast<GstRank>(GST_RANK_PRIMARY + 100));
@@ -337,10 +330,9 @@ GST_START_TEST(test_choice_by_rank)
   g_object_get(player.chair, "video-sink", &sink, nullptr);
   fail_unless(sink == nullptr); // chosen again for the next play
 }
-GST_END_TEST;
 
 /// A chosen sink may ask for a window at its first state change: the message arrives.
-GST_START_TEST(test_chosen_sink_asks_for_a_window)
+CHECK_TEST(test_chosen_sink_asks_for_a_window)
 {
   hide_other_sinks();
   register_test_sink(GST_RANK_PRIMARY);
@@ -354,10 +346,9 @@ GST_START_TEST(test_chosen_sink_asks_for_a_window)
   }
   fail_unless(asked);
 }
-GST_END_TEST;
 
 /// For applications that do not know it: autovideosink chooses visuotactilesink.
-GST_START_TEST(test_autovideosink_chooses_it)
+CHECK_TEST(test_autovideosink_chooses_it)
 {
   hide_other_sinks();
   register_test_sink(GST_RANK_PRIMARY);
@@ -375,9 +366,8 @@ GST_START_TEST(test_autovideosink_chooses_it)
   gst_element_set_state(automatic, GST_STATE_NULL);
   gst_object_unref(automatic);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_without_a_video_sink)
+CHECK_TEST(test_without_a_video_sink)
 {
   hide_other_sinks();
   register_test_sink(GST_RANK_PRIMARY);
@@ -389,28 +379,5 @@ GST_START_TEST(test_without_a_video_sink)
                    "No video sink can be used: the film is felt and not shown.");
   fail_unless(commands_with_volts(player.trace()) > 0);
 }
-GST_END_TEST;
 
-static Suite *
-visuotactilesink_suite(void)
-{
-  Suite *suite = suite_create("visuotactilesink");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_properties_are_the_childrens);
-  tcase_add_test(cases, test_values_reach_the_children);
-  tcase_add_test(cases, test_fan_out);
-  tcase_add_test(cases, test_video_direction);
-  tcase_add_test(cases, test_phone_film);
-  tcase_add_test(cases, test_given_sink_keeps_its_properties);
-  tcase_add_test(cases, test_overlay_and_navigation);
-  tcase_add_test(cases, test_navigation_upstream);
-  tcase_add_test(cases, test_in_a_described_bin);
-  tcase_add_test(cases, test_choice_by_rank);
-  tcase_add_test(cases, test_chosen_sink_asks_for_a_window);
-  tcase_add_test(cases, test_autovideosink_chooses_it);
-  tcase_add_test(cases, test_without_a_video_sink);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactilesink);
+CHECK_MAIN(visuotactilesink)

@@ -8,6 +8,8 @@
 
 #include "visuotactilesink_rig.h"
 
+#include "support/check_tests.h"
+
 /* ---- memory that cannot be read ---- */
 
 struct DeviceAllocator
@@ -46,7 +48,7 @@ device_allocator_init(DeviceAllocator *allocator)
 
 /* ---- the play ---- */
 
-GST_START_TEST(test_plays_and_delays_the_picture)
+CHECK_TEST(test_plays_and_delays_the_picture)
 {
   register_test_sink(GST_RANK_NONE);
   Player player(kFilm + kSink + "max-lead=100000000 video-sink=visuotactiletestsink");
@@ -67,7 +69,6 @@ GST_START_TEST(test_plays_and_delays_the_picture)
     fail_unless(line.command.effect <= std::chrono::seconds(2));
   }
 }
-GST_END_TEST;
 
 /// In a live stream the picture is later than its source by max-lead and 10 ms, and by nothing
 /// else. This holds for a small max-lead and behind a network, too.
@@ -100,7 +101,7 @@ check_live(const std::string &source, GstClockTime max_lead, GstClockTime at_lea
   ck_assert_uint_eq(gst_base_sink_get_latency(screen), source_latency + work + max_lead + 10 * kMs);
 }
 
-GST_START_TEST(test_live)
+CHECK_TEST(test_live)
 {
   register_test_sink(GST_RANK_NONE);
   const std::string camera = "tactiletestsrc pattern=dynamic-motion is-live=true ! "
@@ -110,10 +111,9 @@ GST_START_TEST(test_live)
   check_live(camera + "rtpvrawpay ! rtpjitterbuffer latency=50 ! rtpvrawdepay ! ", 180 * kMs,
              50 * kMs);
 }
-GST_END_TEST;
 
 /// A board that is missing or fails does not stop the film. The next play tries again.
-GST_START_TEST(test_plays_without_tactors)
+CHECK_TEST(test_plays_without_tactors)
 {
   register_test_sink(GST_RANK_NONE);
   const std::string sink = kSink + "video-sink=visuotactiletestsink ";
@@ -141,11 +141,10 @@ GST_START_TEST(test_plays_without_tactors)
   ck_assert_uint_eq(player.warnings.size(), 2);
   player.trace();
 }
-GST_END_TEST;
 
 /// A board fails, and the next play begins before the tactors are removed from the last one. They
 /// stay in the pipeline.
-GST_START_TEST(test_fails_late_in_the_last_play)
+CHECK_TEST(test_fails_late_in_the_last_play)
 {
   register_test_sink(GST_RANK_NONE);
   Player player(kFilm + kSink + "video-sink=visuotactiletestsink");
@@ -190,10 +189,9 @@ GST_START_TEST(test_fails_late_in_the_last_play)
   ck_assert_uint_eq(player.warnings.size(), 1);
   fail_unless(commands_with_volts(player.trace()) > 0);
 }
-GST_END_TEST;
 
 /// Frames that wait for motors are not available to the decoder, so more buffers are requested.
-GST_START_TEST(test_asks_for_more_buffers)
+CHECK_TEST(test_asks_for_more_buffers)
 {
   GstHarness *harness
       = gst_harness_new_parse("visuotactilesink driver=simulator async=false video-sink=fakesink");
@@ -210,11 +208,10 @@ GST_START_TEST(test_asks_for_more_buffers)
   gst_query_unref(query);
   gst_harness_teardown(harness);
 }
-GST_END_TEST;
 
 /// Memory that only a device can read: the picture is shown, maps are silent, and there is one
 /// warning.
-GST_START_TEST(test_unreadable_memory)
+CHECK_TEST(test_unreadable_memory)
 {
   register_test_sink(GST_RANK_NONE);
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
@@ -251,11 +248,10 @@ GST_START_TEST(test_unreadable_memory)
   gst_harness_teardown(harness);
   gst_object_unref(chair);
 }
-GST_END_TEST;
 
 /// Stepping through a paused film, over more frames than the queues hold, is not blocked by the
 /// tactors.
-GST_START_TEST(test_frames_are_stepped_through)
+CHECK_TEST(test_frames_are_stepped_through)
 {
   Player player(kFilm + kSink + "video-sink=fakesink");
   change_state(player.pipeline, GST_STATE_PAUSED);
@@ -272,22 +268,5 @@ GST_START_TEST(test_frames_are_stepped_through)
   player.play();
   player.trace();
 }
-GST_END_TEST;
 
-static Suite *
-visuotactilesink_playing_suite(void)
-{
-  Suite *suite = suite_create("visuotactilesink_playing");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_plays_and_delays_the_picture);
-  tcase_add_test(cases, test_live);
-  tcase_add_test(cases, test_plays_without_tactors);
-  tcase_add_test(cases, test_fails_late_in_the_last_play);
-  tcase_add_test(cases, test_asks_for_more_buffers);
-  tcase_add_test(cases, test_unreadable_memory);
-  tcase_add_test(cases, test_frames_are_stepped_through);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactilesink_playing);
+CHECK_MAIN(visuotactilesink_playing)

@@ -10,6 +10,8 @@
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr guint kFrames = 50;
@@ -121,7 +123,7 @@ public:
 } // namespace
 
 /// Both sinks get the event, and upstream gets it once.
-GST_START_TEST(test_events_reach_upstream_once)
+CHECK_TEST(test_events_reach_upstream_once)
 {
   register_test_sink(GST_RANK_NONE);
   SteppedPlayer film;
@@ -163,10 +165,9 @@ GST_START_TEST(test_events_reach_upstream_once)
     gst_pad_push_event(end, event);
   fail_unless(heard.empty());
 }
-GST_END_TEST;
 
 /// A step advances one frame, and its messages are those of any video sink.
-GST_START_TEST(test_steps_once)
+CHECK_TEST(test_steps_once)
 {
   register_test_sink(GST_RANK_NONE);
   SteppedPlayer film;
@@ -186,11 +187,10 @@ GST_START_TEST(test_steps_once)
     ck_assert_uint_eq(begun, 2); // requested and begun
   }
 }
-GST_END_TEST;
 
 /// Frames that were stepped over do not play. The visible frame and all later ones do, when they
 /// are shown.
-GST_START_TEST(test_motors_resume_with_the_visible_frame)
+CHECK_TEST(test_motors_resume_with_the_visible_frame)
 {
   register_test_sink(GST_RANK_NONE);
   for (const auto &[rate, frames_per_second] : { std::pair(0, 25), { 5, 25 }, { 5, 30 } }) {
@@ -202,11 +202,10 @@ GST_START_TEST(test_motors_resume_with_the_visible_frame)
     film.assert_felt_is_seen(0, 21);
   }
 }
-GST_END_TEST;
 
 /// The same in the middle of a film with maps in flight, and after a pause during which the clock
 /// goes on.
-GST_START_TEST(test_motors_go_on_after_a_pause)
+CHECK_TEST(test_motors_go_on_after_a_pause)
 {
   register_test_sink(GST_RANK_NONE);
   SteppedPlayer film;
@@ -221,11 +220,10 @@ GST_START_TEST(test_motors_go_on_after_a_pause)
   film.play();
   film.assert_felt_is_seen(before, seen);
 }
-GST_END_TEST;
 
 /// Near the end the picture has frames left, but the tactors, which are ahead, do not. Stepping
 /// still works.
-GST_START_TEST(test_steps_at_the_end)
+CHECK_TEST(test_steps_at_the_end)
 {
   register_test_sink(GST_RANK_NONE);
   SteppedPlayer film;
@@ -256,20 +254,5 @@ GST_START_TEST(test_steps_at_the_end)
   film.finish();
   film.trace();
 }
-GST_END_TEST;
 
-static Suite *
-visuotactilesink_steps_suite(void)
-{
-  Suite *suite = suite_create("visuotactilesink_steps");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_events_reach_upstream_once);
-  tcase_add_test(cases, test_steps_once);
-  tcase_add_test(cases, test_motors_resume_with_the_visible_frame);
-  tcase_add_test(cases, test_motors_go_on_after_a_pause);
-  tcase_add_test(cases, test_steps_at_the_end);
-  return suite;
-}
-
-GST_CHECK_MAIN(visuotactilesink_steps);
+CHECK_MAIN(visuotactilesink_steps)

@@ -8,7 +8,7 @@
 #include <utility>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -113,7 +113,7 @@ expect_truth(const tactile::Draft &draft, Time from, Time to)
 
 } // namespace
 
-GST_START_TEST(test_from_the_beginning)
+CHECK_TEST(test_from_the_beginning)
 {
   Watched chair(std::make_unique<SimulatedFilm>());
   chair.watch(1s);
@@ -124,10 +124,9 @@ GST_START_TEST(test_from_the_beginning)
   expect_truth(*chair.reader.draft(), 0s, 60s);
   ck_assert(*chair.reader.draft()->at(61s) == tactile::TactileMap(1, 1));
 }
-GST_END_TEST;
 
 /// It is opened in the middle, and sent back.
-GST_START_TEST(test_seeks)
+CHECK_TEST(test_seeks)
 {
   auto source = std::make_unique<SimulatedFilm>();
   source->opened = false;
@@ -155,12 +154,11 @@ GST_START_TEST(test_seeks)
   ck_assert(chair.reader.is_complete() && chair.reader.end() == 60s);
   expect_truth(*chair.reader.draft(), 0s, 60s);
 }
-GST_END_TEST;
 
 /// Wherever between key frames ten seconds apart: what plays is known within two seconds of a seek,
 /// where a core decodes 1080p as it does (docs/measured/catalog.md: 6.7 times real time with the
 /// analysis, three quarters of which is decoding). The gap is closed in the end.
-GST_START_TEST(test_soon_after_seek)
+CHECK_TEST(test_soon_after_seek)
 {
   for (Time after_key{ 0 }; after_key < kKeyFrames; after_key += 500ms) {
     auto source = std::make_unique<SimulatedFilm>();
@@ -180,10 +178,9 @@ GST_START_TEST(test_soon_after_seek)
     expect_truth(*chair.reader.draft(), 0s, 60s);
   }
 }
-GST_END_TEST;
 
 /// Just before a key frame, a slow computer reads from there on.
-GST_START_TEST(test_next_key_frame)
+CHECK_TEST(test_next_key_frame)
 {
   auto source = std::make_unique<SimulatedFilm>();
   source->cost = 17ms;
@@ -194,10 +191,9 @@ GST_START_TEST(test_next_key_frame)
   chair.watch(1s);
   ck_assert(chair.knows(chair.position));
 }
-GST_END_TEST;
 
 /// Over no second of the clock is more CPU time used than is allowed.
-GST_START_TEST(test_pace)
+CHECK_TEST(test_pace)
 {
   auto source = std::make_unique<SimulatedFilm>();
   source->duration = 3600s;
@@ -219,10 +215,9 @@ GST_START_TEST(test_pace)
   chair.watch(10s, 0);
   ck_assert(chair.film->cpu == before);
 }
-GST_END_TEST;
 
 /// A film that is not decoded in real time: from key frame to key frame, what can be felt is.
-GST_START_TEST(test_too_slow)
+CHECK_TEST(test_too_slow)
 {
   auto source = std::make_unique<SimulatedFilm>();
   source->duration = 600s;
@@ -240,9 +235,8 @@ GST_START_TEST(test_too_slow)
   fail_unless(felt > 30s, "%.1f s are felt", std::chrono::duration<double>(felt).count());
   fail_if(chair.reader.is_complete());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_fails)
+CHECK_TEST(test_fails)
 {
   Watched broken(std::make_unique<SimulatedFilm>());
   broken.watch(1s);
@@ -258,23 +252,5 @@ GST_START_TEST(test_fails)
   fail_if(empty.reader.failure().empty());
   ck_assert_uint_le(empty.film->seeks.size(), 2);
 }
-GST_END_TEST;
 
-static Suite *
-ahead_reader_suite(void)
-{
-  Suite *suite = suite_create("ahead_reader");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_from_the_beginning);
-  tcase_add_test(tcase, test_seeks);
-  tcase_add_test(tcase, test_soon_after_seek);
-  tcase_add_test(tcase, test_next_key_frame);
-  tcase_add_test(tcase, test_pace);
-  tcase_add_test(tcase, test_too_slow);
-  tcase_add_test(tcase, test_fails);
-  return suite;
-}
-
-GST_CHECK_MAIN(ahead_reader);
+CHECK_MAIN(ahead_reader)

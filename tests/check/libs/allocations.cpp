@@ -17,7 +17,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -106,7 +106,7 @@ analyze(const saliency::Profile &profile, const tactile::MappingSettings &mappin
 
 } // namespace
 
-GST_START_TEST(test_counter)
+CHECK_TEST(test_counter)
 {
   // An allocation by each way in is seen.
   fail_unless(allocations::are_counted());
@@ -118,9 +118,8 @@ GST_START_TEST(test_counter)
   free(by_malloc);
   fail_unless(seen >= 3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tuned)
+CHECK_TEST(test_tuned)
 {
   const auto mapping = tactile::MappingSettings::tuned();
   const auto profile = saliency::Profile::tuned();
@@ -134,26 +133,23 @@ GST_START_TEST(test_tuned)
   ck_assert_int_ge(cut.cuts, 50);
   ck_assert_uint_eq(cut.allocations, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tuned_spatial)
+CHECK_TEST(test_tuned_spatial)
 {
   const Counted counted
       = analyze(saliency::Profile::tuned_spatial(), tactile::MappingSettings::tuned_spatial(),
                 false, still(kPicture));
   ck_assert_uint_eq(counted.allocations, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_paper)
+CHECK_TEST(test_paper)
 {
   const Counted counted
       = analyze(saliency::Profile::paper(), tactile::MappingSettings::paper(), true, still(kFilm));
   ck_assert_uint_eq(counted.allocations, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_front_end)
+CHECK_TEST(test_front_end)
 {
   // 8-bit planes, deeper planes and packed pixels, with and without decimation.
   constexpr int kWidth = 800;
@@ -182,9 +178,8 @@ GST_START_TEST(test_front_end)
         ck_assert_uint_eq(allocations::of_this_thread(), before);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sound)
+CHECK_TEST(test_sound)
 {
   constexpr std::size_t kRate = 48000;
   const auto speakers = sound::usual_speakers(6);
@@ -205,21 +200,5 @@ GST_START_TEST(test_sound)
   ck_assert_int_ge(onsets, 1);
   ck_assert_uint_eq(allocated, 0);
 }
-GST_END_TEST;
 
-static Suite *
-allocations_suite(void)
-{
-  Suite *suite = suite_create("allocations");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_counter);
-  tcase_add_test(tc, test_tuned);
-  tcase_add_test(tc, test_tuned_spatial);
-  tcase_add_test(tc, test_paper);
-  tcase_add_test(tc, test_front_end);
-  tcase_add_test(tc, test_sound);
-  return suite;
-}
-
-GST_CHECK_MAIN(allocations);
+CHECK_MAIN(allocations)

@@ -10,6 +10,8 @@
 #include <limits>
 #include <random>
 
+#include "support/check_tests.h"
+
 using oracle::film;
 using oracle::Frame;
 using oracle::Image;
@@ -83,7 +85,7 @@ surface(double left, bool ball)
 
 } // namespace
 
-GST_START_TEST(test_paper_profile)
+CHECK_TEST(test_paper_profile)
 {
   // 64×48 has levels 0 to 6, so surrounds 7 and 8 are limited to 6.
   const std::vector<saliency::LevelPair> levels{ { 2, 5 }, { 2, 6 }, { 3, 6 },
@@ -115,9 +117,8 @@ GST_START_TEST(test_paper_profile)
     fail_unless_near(result.peak, st.maximum(), 5e-3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tuned_profile)
+CHECK_TEST(test_tuned_profile)
 {
   // At a width of 64 the pair's levels are 0 and 1 and the map's level is 2. Nothing is decimated
   // before the conversion to L*a*b*.
@@ -138,9 +139,8 @@ GST_START_TEST(test_tuned_profile)
   }
   fail_unless(highest > kFloor, "the ball is not salient: peak %g", highest);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exact_and_decimated_agree)
+CHECK_TEST(test_exact_and_decimated_agree)
 {
   // Colored shapes with a little noise, too large for converting every pixel to L*a*b*.
   std::mt19937 generator(3);
@@ -164,9 +164,8 @@ GST_START_TEST(test_exact_and_decimated_agree)
     fail_unless(c < 1, "identical maps for %dx%d: nothing was decimated", width, height);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_same_film_at_any_rate)
+CHECK_TEST(test_same_film_at_any_rate)
 {
   // A ball that crosses the picture is about as salient at any rate: at 30 fps it is compared with
   // where it was 67 ms ago, at others 80 to 83 ms.
@@ -204,9 +203,8 @@ GST_START_TEST(test_same_film_at_any_rate)
                                regular(60), regular(120), variable })
     fail_unless_near(run(borders) / reference, 1, 0.3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_ghost)
+CHECK_TEST(test_no_ghost)
 {
   // A ball that has been still for three seconds vanishes, and comes back a second later.
   Analyzer analyzer(Profile::tuned());
@@ -218,9 +216,8 @@ GST_START_TEST(test_no_ghost)
     fail_unless(i < 100 ? p == 0 : (p > kFloor) == (i >= 130), "frame %d: %g", i, p);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_burst)
+CHECK_TEST(test_no_burst)
 {
   // After a start, a reset, a step back in time, a repeated time, a change of size or a gap, the
   // first frame is not salient. The next one that shows something new is.
@@ -248,9 +245,8 @@ GST_START_TEST(test_no_burst)
     fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // shorter
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_extreme_times)
+CHECK_TEST(test_extreme_times)
 {
   const Time first(std::numeric_limits<Time::rep>::min());
   const Time last(std::numeric_limits<Time::rep>::max());
@@ -283,9 +279,8 @@ GST_START_TEST(test_extreme_times)
                      peak(known, frame, time, Time(1'000'000'000 / 30)), 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sizes)
+CHECK_TEST(test_sizes)
 {
   // Two pictures of each size and kind, so that they are compared, one analyzer for all.
   for (const auto &profile : { Profile::tuned(), Profile::paper() }) {
@@ -321,9 +316,8 @@ GST_START_TEST(test_sizes)
   ck_assert_int_eq(map.cols, 41);
   ck_assert_int_eq(map.rows, 31);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_picture)
+CHECK_TEST(test_picture)
 {
   // A dot is at the same place in the map and in the picture. Sample coordinates (the center of
   // sample i is at i + ½) map linearly from the picture's edges. The map's center of mass locates
@@ -351,9 +345,8 @@ GST_START_TEST(test_picture)
     fail_unless_near((at_y / mass - picture.y) / picture.height * 480, y + 0.5, 0.8);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_invalid)
+CHECK_TEST(test_invalid)
 {
   const Frame ball = film(64, 48, 10);
   const auto with = [](auto change) {
@@ -377,9 +370,8 @@ GST_START_TEST(test_invalid)
     fine.analyze(ball.view(), Time(0), kSecond / 30);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_spatial_has_no_history)
+CHECK_TEST(test_spatial_has_no_history)
 {
   // Frames before one without `temporal` do not affect the frames after it.
   Analyzer resumed(Profile::tuned());
@@ -401,9 +393,8 @@ GST_START_TEST(test_spatial_has_no_history)
                    0);
   ck_assert_int_eq(moved.profile().reference_width, Profile::tuned().reference_width);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_cut)
+CHECK_TEST(test_cut)
 {
   // The first frame of a new shot is silent, and what then appears in it is salient. A frame of
   // another size is silent, too, but not a cut.
@@ -441,9 +432,8 @@ GST_START_TEST(test_cut)
   fail_if(next.cut);
   fail_unless(next.peak > kFloor);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pan)
+CHECK_TEST(test_pan)
 {
   // A camera pans over a surface and rests. Only a ball that appears and stays at its place in the
   // picture is salient.
@@ -471,9 +461,8 @@ GST_START_TEST(test_pan)
   }
   fail_unless_near(panned, -1.4 * 50 / 4, 0.5); // to the left, in samples
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pan_at_any_level)
+CHECK_TEST(test_pan_at_any_level)
 {
   // The camera is followed at a level finer than those whose chroma has contrast.
   for (int level = 2; level <= 5; ++level) {
@@ -487,10 +476,9 @@ GST_START_TEST(test_pan_at_any_level)
     fail_unless(moved, "level %d", level);
   }
 }
-GST_END_TEST;
 
 /// A fast pan at a low frame rate changes as much as a cut, but the shot goes on.
-GST_START_TEST(test_fast_pan_is_no_cut)
+CHECK_TEST(test_fast_pan_is_no_cut)
 {
   Analyzer analyzer(Profile::tuned());
   for (int i = 0; i < 12; ++i) {
@@ -501,30 +489,5 @@ GST_START_TEST(test_fast_pan_is_no_cut)
   const Frame other = surface(1000, false);
   fail_unless(analyzer.analyze(other.view(), 12 * kSecond / 8, kSecond / 8).cut);
 }
-GST_END_TEST;
 
-static Suite *
-analyzer_suite(void)
-{
-  Suite *suite = suite_create("analyzer");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_paper_profile);
-  tcase_add_test(tc, test_tuned_profile);
-  tcase_add_test(tc, test_exact_and_decimated_agree);
-  tcase_add_test(tc, test_same_film_at_any_rate);
-  tcase_add_test(tc, test_no_ghost);
-  tcase_add_test(tc, test_no_burst);
-  tcase_add_test(tc, test_extreme_times);
-  tcase_add_test(tc, test_sizes);
-  tcase_add_test(tc, test_picture);
-  tcase_add_test(tc, test_invalid);
-  tcase_add_test(tc, test_spatial_has_no_history);
-  tcase_add_test(tc, test_cut);
-  tcase_add_test(tc, test_pan);
-  tcase_add_test(tc, test_pan_at_any_level);
-  tcase_add_test(tc, test_fast_pan_is_no_cut);
-  return suite;
-}
-
-GST_CHECK_MAIN(analyzer);
+CHECK_MAIN(analyzer)

@@ -11,6 +11,8 @@
 #include <functional>
 #include <random>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 using State = Conversation::State;
@@ -135,7 +137,7 @@ film(Time now)
 
 /// Servers that say nothing unasked, or list what plays, are never sent levels that would wait at
 /// them.
-GST_START_TEST(test_one_under_way)
+CHECK_TEST(test_one_under_way)
 {
   for (const Habits &habits :
        { Habits{ .takes = 1ms }, Habits{ .takes = 40ms }, Habits{ .takes = 200ms },
@@ -153,10 +155,9 @@ GST_START_TEST(test_one_under_way)
                 long{ player.talk.latency().count() });
   }
 }
-GST_END_TEST;
 
 /// One that does both not is sent five messages a second.
-GST_START_TEST(test_unasked_and_unlisted)
+CHECK_TEST(test_unasked_and_unlisted)
 {
   Player player({ .takes = 190ms, .news = 30ms, .lists = false });
   player.run(60s, film);
@@ -164,10 +165,9 @@ GST_START_TEST(test_unasked_and_unlisted)
   ck_assert_int_ge(player.sent, 60 * 4);
   ck_assert_int_le(player.sent, 60 * 5 + 1);
 }
-GST_END_TEST;
 
 /// What is on does not flicker, whatever is answered.
-GST_START_TEST(test_no_holes)
+CHECK_TEST(test_no_holes)
 {
   for (const Habits &habits :
        { Habits{ .takes = 1ms }, Habits{ .takes = 200ms }, Habits{ .takes = 240ms },
@@ -182,10 +182,9 @@ GST_START_TEST(test_no_holes)
     ck_assert_int_ge(player.sent, 60 * 2);
   }
 }
-GST_END_TEST;
 
 /// A server that never answered is sent ten messages a second, and the user is told once.
-GST_START_TEST(test_never_answers)
+CHECK_TEST(test_never_answers)
 {
   Player player({ .answers_one_in = 0 });
   player.run(60s, film);
@@ -197,10 +196,9 @@ GST_START_TEST(test_never_answers)
   assert_contains(warnings.front(), { "the Player answers nothing", "restart it" });
   fail_unless(player.talk.latency() == 0s);
 }
-GST_END_TEST;
 
 /// One that stopped is left. Until then its motors run.
-GST_START_TEST(test_stopped_answering)
+CHECK_TEST(test_stopped_answering)
 {
   Player player({ .silent_from = 10s });
   player.run(60s, always);
@@ -209,10 +207,9 @@ GST_START_TEST(test_stopped_answering)
   ck_assert_int_eq(player.holes, 0);
   assert_contains(player.talk.failure().text, { "expected a status", "none came for 5 s" });
 }
-GST_END_TEST;
 
 /// After a stall nothing waits at the server for long.
-GST_START_TEST(test_stall)
+CHECK_TEST(test_stall)
 {
   Player player({ .takes = 20ms, .stalls_from = 10s, .stalls_until = 13s });
   player.run(13s, film);
@@ -223,10 +220,9 @@ GST_START_TEST(test_stall)
   ck_assert_uint_eq(player.most_waiting, 0);
   fail_unless(player.talk.state() == State::playing);
 }
-GST_END_TEST;
 
 /// A server that says nothing unasked and becomes slow is sent what it can take, in 20 s at most.
-GST_START_TEST(test_slower)
+CHECK_TEST(test_slower)
 {
   Player player({ .slow_from = 10s });
   player.run(10s, film);
@@ -240,22 +236,5 @@ GST_START_TEST(test_slower)
   fail_unless(player.talk.latency() == 150ms);
   fail_unless(player.talk.state() == State::playing);
 }
-GST_END_TEST;
 
-static Suite *
-bhaptics_answers_suite(void)
-{
-  Suite *suite = suite_create("bhaptics_answers");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_one_under_way);
-  tcase_add_test(tests, test_unasked_and_unlisted);
-  tcase_add_test(tests, test_no_holes);
-  tcase_add_test(tests, test_never_answers);
-  tcase_add_test(tests, test_stopped_answering);
-  tcase_add_test(tests, test_stall);
-  tcase_add_test(tests, test_slower);
-  return suite;
-}
-
-GST_CHECK_MAIN(bhaptics_answers);
+CHECK_MAIN(bhaptics_answers)

@@ -7,6 +7,8 @@
 #include "support/contains.h"
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 using State = Conversation::State;
@@ -73,7 +75,7 @@ back(std::initializer_list<std::pair<int, int>> dots, int ms = 250)
 
 } // namespace
 
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   Talk talk;
   fail_unless(talk.talk.state() == State::asking);
@@ -93,20 +95,18 @@ GST_START_TEST(test_levels)
   talk.talk.set_levels({});
   talk.expect(kBackOff);
 }
-GST_END_TEST;
 
 /// bhaptics-linux takes an intensity of 1 for the whole. Nothing is that weak.
-GST_START_TEST(test_intensity)
+CHECK_TEST(test_intensity)
 {
   ck_assert_int_eq(bhaptics::intensity(0.004), 0);
   ck_assert_int_eq(bhaptics::intensity(0.01), 2);
   ck_assert_int_eq(bhaptics::intensity(0.02), 2);
   ck_assert_int_eq(bhaptics::intensity(1), 100);
 }
-GST_END_TEST;
 
 /// Motors that are on are told so again before their duration ends; others are not.
-GST_START_TEST(test_renewal)
+CHECK_TEST(test_renewal)
 {
   Talk talk;
   talk.play();
@@ -125,10 +125,9 @@ GST_START_TEST(test_renewal)
   talk.answer();
   fail_if(talk.talk.deadline().has_value());
 }
-GST_END_TEST;
 
 /// While the server has not answered a message, the next one waits, and has the newest levels.
-GST_START_TEST(test_one_message_under_way)
+CHECK_TEST(test_one_message_under_way)
 {
   Talk talk;
   talk.play();
@@ -151,11 +150,10 @@ GST_START_TEST(test_one_message_under_way)
     talk.expect(back({ { 0, 50 } }, 450));
   }
 }
-GST_END_TEST;
 
 /// A zero is sent at once, whatever is under way; other levels wait. So does a zero for a server
 /// that usually takes more than 50 ms: it would wait there.
-GST_START_TEST(test_a_zero_waits_for_no_answer)
+CHECK_TEST(test_a_zero_waits_for_no_answer)
 {
   Talk talk;
   talk.play();
@@ -191,10 +189,9 @@ GST_START_TEST(test_a_zero_waits_for_no_answer)
   slow.answer();
   slow.expect(kBackOff);
 }
-GST_END_TEST;
 
 /// A server that answers nothing is left.
-GST_START_TEST(test_silent_server)
+CHECK_TEST(test_silent_server)
 {
   Talk talk;
   fail_unless(talk.talk.deadline() == talk.now + 500ms);
@@ -221,9 +218,8 @@ GST_START_TEST(test_silent_server)
   ck_assert_int_eq(sent, 25); // each 200 ms
   assert_contains(later.talk.failure().text, { "none came for 5 s" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_vest_of_two_sides)
+CHECK_TEST(test_vest_of_two_sides)
 {
   Talk talk("vest");
   talk.play();
@@ -251,10 +247,9 @@ GST_START_TEST(test_vest_of_two_sides)
   talk.talk.set_levels(levels);
   talk.expect(kBackOff);
 }
-GST_END_TEST;
 
 /// The left columns are the left arm's. One sleeve will do, and the other is missed once.
-GST_START_TEST(test_sleeves)
+CHECK_TEST(test_sleeves)
 {
   Talk talk("sleeves");
   const char *status = R"({"ConnectedPositions":["ForearmR","Head"]})";
@@ -274,9 +269,8 @@ GST_START_TEST(test_sleeves)
               R"({"Position":"ForearmR","DurationMillis":250,)"
               R"("DotPoints":[{"Index":0,"Intensity":100}]}}]})");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_not_connected)
+CHECK_TEST(test_not_connected)
 {
   Talk talk("visor");
   talk.answer();
@@ -292,11 +286,10 @@ GST_START_TEST(test_not_connected)
   Talk asleep;
   asleep.play(R"({"ConnectedPositions":[],"VestIdle":true})");
 }
-GST_END_TEST;
 
 /// The status that the server sends by itself is not the answer to the first message, which is
 /// waited for.
-GST_START_TEST(test_first_answer)
+CHECK_TEST(test_first_answer)
 {
   Talk talk;
   talk.answer();
@@ -310,9 +303,8 @@ GST_START_TEST(test_first_answer)
   talk.expect(back({ { 0, 100 } }));
   fail_unless(talk.talk.latency() == 30ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_close)
+CHECK_TEST(test_close)
 {
   Talk talk;
   talk.play();
@@ -328,9 +320,8 @@ GST_START_TEST(test_close)
   failed.talk.close(failed.now);
   failed.expect(kBackOff);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_messages)
+CHECK_TEST(test_other_messages)
 {
   for (const char *text : { "", "[]", "{}", "null", "{", R"({"ConnectedPositions":{}})",
                             R"({"ConnectedPositions":"Vest"})", R"({"AudioMeter":{"on":true}})",
@@ -341,36 +332,12 @@ GST_START_TEST(test_other_messages)
   fail_unless(odd.has_value());
   assert_text(odd->positions[3], "Ve?st");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_names)
+CHECK_TEST(test_names)
 {
   assert_text(std::string(unwrap(find_suit_part("")).name), "vest-back");
   const DriverError error = refusal_of(find_suit_part("boots"));
   assert_contains(error.text, { "'boots'", "vest-back, vest-front, vest, sleeves", "visor" });
 }
-GST_END_TEST;
 
-static Suite *
-bhaptics_conversation_suite(void)
-{
-  Suite *suite = suite_create("bhaptics_conversation");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_levels);
-  tcase_add_test(tests, test_intensity);
-  tcase_add_test(tests, test_renewal);
-  tcase_add_test(tests, test_one_message_under_way);
-  tcase_add_test(tests, test_a_zero_waits_for_no_answer);
-  tcase_add_test(tests, test_silent_server);
-  tcase_add_test(tests, test_vest_of_two_sides);
-  tcase_add_test(tests, test_sleeves);
-  tcase_add_test(tests, test_not_connected);
-  tcase_add_test(tests, test_first_answer);
-  tcase_add_test(tests, test_close);
-  tcase_add_test(tests, test_other_messages);
-  tcase_add_test(tests, test_names);
-  return suite;
-}
-
-GST_CHECK_MAIN(bhaptics_conversation);
+CHECK_MAIN(bhaptics_conversation)

@@ -21,6 +21,8 @@
 #include <memory>
 #include <mutex>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 using EventKind = DriverEvent::Kind;
@@ -87,7 +89,7 @@ const std::vector<std::string> kHandshake{ "RequestServerInfo", "RequestDeviceLi
 } // namespace
 
 /// Handshake, devices, commands, stop, a device that goes.
-GST_START_TEST(test_core_protocol)
+CHECK_TEST(test_core_protocol)
 {
   HapticServer server(conforming());
   {
@@ -115,10 +117,9 @@ GST_START_TEST(test_core_protocol)
     for (const std::string &line : server.lines("got"))
       fail_if(line.find(never) != std::string::npos, "%s", line.c_str());
 }
-GST_END_TEST;
 
 /// A server that asks for pings, and breaks off without them.
-GST_START_TEST(test_ping_required)
+CHECK_TEST(test_ping_required)
 {
   HapticServer server(conforming({ "ping=1000", "enforces=1" }));
   Client client(server);
@@ -129,10 +130,9 @@ GST_START_TEST(test_ping_required)
   }
   fail_unless(server.lines("unpinged").empty());
 }
-GST_END_TEST;
 
 /// An error is no reason to leave: valid commands follow.
-GST_START_TEST(test_error_handling)
+CHECK_TEST(test_error_handling)
 {
   HapticServer server(conforming({ "errs=2" })); // the first one stops the device
   Client client(server);
@@ -144,11 +144,10 @@ GST_START_TEST(test_error_handling)
   fail_unless(server.lines("gone").empty());
   fail_unless(client.driver.status().is_there);
 }
-GST_END_TEST;
 
 /// A client that stands still sends no pings: the server stops the device and leaves. The client
 /// notices when it goes on.
-GST_START_TEST(test_ping_timeout)
+CHECK_TEST(test_ping_timeout)
 {
   HapticServer server(conforming({ "ping=500", "enforces=1" }));
   const pid_t child = fork();
@@ -172,11 +171,10 @@ GST_START_TEST(test_ping_timeout)
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
 }
-GST_END_TEST;
 
 /// A server that goes and comes back at the same port is greeted anew, and its devices are read
 /// anew.
-GST_START_TEST(test_reconnection)
+CHECK_TEST(test_reconnection)
 {
   auto server = std::make_unique<HapticServer>(conforming());
   const std::string port = server->port();
@@ -193,20 +191,5 @@ GST_START_TEST(test_reconnection)
   client.write({ 3 });
   server->wait_for_line("motors 0 0=100");
 }
-GST_END_TEST;
 
-static Suite *
-buttplug_conformance_suite(void)
-{
-  Suite *suite = suite_create("buttplug_conformance");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_core_protocol);
-  tcase_add_test(tests, test_ping_required);
-  tcase_add_test(tests, test_error_handling);
-  tcase_add_test(tests, test_ping_timeout);
-  tcase_add_test(tests, test_reconnection);
-  return suite;
-}
-
-GST_CHECK_MAIN(buttplug_conformance);
+CHECK_MAIN(buttplug_conformance)

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 using State = Conversation::State;
@@ -108,7 +110,7 @@ struct Talk
 
 } // namespace
 
-GST_START_TEST(test_version_4)
+CHECK_TEST(test_version_4)
 {
   Talk talk;
   talk.play();
@@ -139,11 +141,10 @@ GST_START_TEST(test_version_4)
   talk.expect(R"([{"OutputCmd":{"Id":7,"DeviceIndex":0,"FeatureIndex":1,)"
               R"("Command":{"Vibrate":{"Value":0}}}}])");
 }
-GST_END_TEST;
 
 /// A zero is sent at once, whatever is under way; other levels wait. Once all is answered it is
 /// sent again, as the server may have carried out the level last.
-GST_START_TEST(test_a_zero_waits_for_no_answer)
+CHECK_TEST(test_a_zero_waits_for_no_answer)
 {
   Talk talk;
   talk.play();
@@ -166,10 +167,9 @@ GST_START_TEST(test_a_zero_waits_for_no_answer)
   talk.now += 1s;
   talk.expect_none();
 }
-GST_END_TEST;
 
 /// Each motor's zero goes once to a server that never answers, which is left as soon as without.
-GST_START_TEST(test_zeros_for_a_silent_server)
+CHECK_TEST(test_zeros_for_a_silent_server)
 {
   Talk talk;
   talk.play();
@@ -190,10 +190,9 @@ GST_START_TEST(test_zeros_for_a_silent_server)
   talk.expect_none();
   talk.expect_failure({ "expected an answer" });
 }
-GST_END_TEST;
 
 /// The gap is for the server to enforce, which sends the device the newest command after it.
-GST_START_TEST(test_a_zero_waits_for_no_gap)
+CHECK_TEST(test_a_zero_waits_for_no_gap)
 {
   Talk talk;
   talk.talk.hung_up("code 1002");
@@ -221,11 +220,10 @@ GST_START_TEST(test_a_zero_waits_for_no_gap)
   talk.talk.set_levels(std::array{ 1.0 });
   talk.expect_none();
 }
-GST_END_TEST;
 
 /// A server of version 3 does not know the greeting of version 4: another connection has the older
 /// one.
-GST_START_TEST(test_version_3)
+CHECK_TEST(test_version_3)
 {
   Talk talk;
   fail_unless(talk.talk.next(talk.now).has_value());
@@ -255,10 +253,9 @@ GST_START_TEST(test_version_3)
               R"({"Index":2,"Scalar":0.25,"ActuatorType":"Vibrate"}]}}])");
   talk.expect_none();
 }
-GST_END_TEST;
 
 /// Neither version helps: the older one is not tried for ever.
-GST_START_TEST(test_no_version)
+CHECK_TEST(test_no_version)
 {
   Talk talk;
   talk.talk.hung_up("code 1002");
@@ -271,10 +268,9 @@ GST_START_TEST(test_no_version)
   old.answer(R"([{"ServerInfo":{"Id":1,"ServerName":"","MessageVersion":2,"MaxPingTime":0}}])");
   old.expect_failure({ "expected version 3 or 4", "got 2" });
 }
-GST_END_TEST;
 
 /// Nothing is started that was not named.
-GST_START_TEST(test_names)
+CHECK_TEST(test_names)
 {
   for (const auto &[names, part] :
        { std::pair{ "", "as only named devices are used; it has 'Test Vibrator', 'User set name'" },
@@ -296,10 +292,9 @@ GST_START_TEST(test_names)
   none.answer(R"([{"DeviceList":{"Id":2,"Devices":{}}}])");
   none.expect_failure({ "it has no devices", "scan" });
 }
-GST_END_TEST;
 
 /// Steps that no device has are not believed.
-GST_START_TEST(test_lies_about_steps)
+CHECK_TEST(test_lies_about_steps)
 {
   for (const char *steps :
        { "0", "-1", "100001", "99999999999999999999", "\"20\"", "null", "2.5" }) {
@@ -312,10 +307,9 @@ GST_START_TEST(test_lies_about_steps)
     talk.expect_failure({ "to vibrate in 1 to 100000 steps" });
   }
 }
-GST_END_TEST;
 
 /// While a device has not answered, its next values wait; the newest ones win.
-GST_START_TEST(test_one_message_under_way)
+CHECK_TEST(test_one_message_under_way)
 {
   Talk talk;
   talk.play();
@@ -335,10 +329,9 @@ GST_START_TEST(test_one_message_under_way)
   talk.talk.set_levels(std::array{ 0.41 });
   talk.expect_none();
 }
-GST_END_TEST;
 
 /// The latency is the median of the last nine answers: 1 ms, as often 40 ms, then 120 ms.
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   Talk talk;
   talk.play();
@@ -370,10 +363,9 @@ GST_START_TEST(test_latency)
     command(1ms);
   expect(1ms);
 }
-GST_END_TEST;
 
 /// What was refused tells nothing.
-GST_START_TEST(test_latency_of_errors)
+CHECK_TEST(test_latency_of_errors)
 {
   Talk talk;
   talk.play();
@@ -383,10 +375,9 @@ GST_START_TEST(test_latency_of_errors)
   talk.answer(error(4));
   fail_unless(talk.talk.latency() == 7ms);
 }
-GST_END_TEST;
 
 /// Of two devices the slower one counts.
-GST_START_TEST(test_latency_of_two)
+CHECK_TEST(test_latency_of_two)
 {
   Talk talk("A,B");
   const auto vibrator = [](const char *name, int index) {
@@ -405,9 +396,8 @@ GST_START_TEST(test_latency_of_two)
   fail_unless(talk.talk.state() == State::playing, "%s", talk.talk.failure().text.c_str());
   fail_unless(talk.talk.latency() == 30ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silent_server)
+CHECK_TEST(test_silent_server)
 {
   Talk greeting;
   fail_unless(greeting.talk.next(greeting.now).has_value());
@@ -424,9 +414,8 @@ GST_START_TEST(test_silent_server)
   talk.expect_none();
   talk.expect_failure({ "expected an answer" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_errors)
+CHECK_TEST(test_errors)
 {
   Talk talk;
   talk.play();
@@ -445,10 +434,9 @@ GST_START_TEST(test_errors)
   talk.expect_failure({ "Test Vibrator", "the device is busy" });
   ck_assert_uint_eq(talk.talk.take_warnings().size(), 1);
 }
-GST_END_TEST;
 
 /// A motor may be on.
-GST_START_TEST(test_a_refused_zero_is_told_again)
+CHECK_TEST(test_a_refused_zero_is_told_again)
 {
   Talk talk;
   talk.play();
@@ -467,9 +455,8 @@ GST_START_TEST(test_a_refused_zero_is_told_again)
   talk.now += 1s;
   fail_if(talk.talk.next(talk.now).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gone)
+CHECK_TEST(test_gone)
 {
   for (const char *text : { R"([{"DeviceList":{"Id":0,"Devices":{}}}])", kAnother,
                             R"([{"DeviceRemoved":{"Id":0,"DeviceIndex":0}}])" }) {
@@ -484,10 +471,9 @@ GST_START_TEST(test_gone)
     fail_unless(talk.talk.failure().kind == DriverError::Kind::lost);
   }
 }
-GST_END_TEST;
 
 /// Also with a command under way, and after a failure.
-GST_START_TEST(test_close)
+CHECK_TEST(test_close)
 {
   Talk talk;
   talk.play();
@@ -510,10 +496,9 @@ GST_START_TEST(test_close)
   silent.expect_none();
   fail_unless(silent.talk.state() == State::closed);
 }
-GST_END_TEST;
 
 /// A gap or a ping time that makes no sense is bounded.
-GST_START_TEST(test_lies_about_times)
+CHECK_TEST(test_lies_about_times)
 {
   Talk talk;
   talk.play(
@@ -526,9 +511,8 @@ GST_START_TEST(test_lies_about_times)
                                 R"({"DeviceIndex":0,"DeviceMessageTimingGap":4294967295}]}}])");
   fail_unless(std::get<buttplug::DeviceList>(messages->at(0)).devices.at(0).gap == Time(2s));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_messages)
+CHECK_TEST(test_other_messages)
 {
   for (const char *text : { "", "{}", "null", "[", "{\"Ok\":{\"Id\":1}}" })
     fail_if(buttplug::read_messages(text).has_value(), "%s", text);
@@ -544,34 +528,5 @@ GST_START_TEST(test_other_messages)
   ck_assert_uint_eq(talk.talk.take_warnings().size(), 1);
   fail_unless(talk.talk.state() == State::playing);
 }
-GST_END_TEST;
 
-static Suite *
-buttplug_conversation_suite(void)
-{
-  Suite *suite = suite_create("buttplug_conversation");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_version_4);
-  tcase_add_test(tests, test_a_zero_waits_for_no_answer);
-  tcase_add_test(tests, test_zeros_for_a_silent_server);
-  tcase_add_test(tests, test_a_zero_waits_for_no_gap);
-  tcase_add_test(tests, test_version_3);
-  tcase_add_test(tests, test_no_version);
-  tcase_add_test(tests, test_names);
-  tcase_add_test(tests, test_lies_about_steps);
-  tcase_add_test(tests, test_one_message_under_way);
-  tcase_add_test(tests, test_latency);
-  tcase_add_test(tests, test_latency_of_errors);
-  tcase_add_test(tests, test_latency_of_two);
-  tcase_add_test(tests, test_silent_server);
-  tcase_add_test(tests, test_errors);
-  tcase_add_test(tests, test_a_refused_zero_is_told_again);
-  tcase_add_test(tests, test_gone);
-  tcase_add_test(tests, test_close);
-  tcase_add_test(tests, test_lies_about_times);
-  tcase_add_test(tests, test_other_messages);
-  return suite;
-}
-
-GST_CHECK_MAIN(buttplug_conversation);
+CHECK_MAIN(buttplug_conversation)

@@ -12,6 +12,8 @@
 #include "support/tolerance.h"
 #include "unlimited.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -60,7 +62,7 @@ expect_refusal(const std::string &text, const std::string &says)
 
 } // namespace
 
-GST_START_TEST(file_round_trip)
+CHECK_TEST(file_round_trip)
 {
   const TemporaryFile file;
   Calibration written{ .motor = "coin motor; 10 mm, \"C10\"",
@@ -90,9 +92,8 @@ GST_START_TEST(file_round_trip)
   fail_unless(read.tactors.at(0).gain_db == 0 && read.tactors.at(0).equalizer.empty());
   fail_if(read.tactors.at(0).latency.has_value());
 }
-GST_END_TEST
 
-GST_START_TEST(endless_files_are_refused)
+CHECK_TEST(endless_files_are_refused)
 {
   for (const auto &[path, says] :
        { std::pair{ "/dev/zero", "got a device" }, std::pair{ "/", "got a folder" },
@@ -101,9 +102,8 @@ GST_START_TEST(endless_files_are_refused)
     fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s'", got.c_str(), says);
   }
 }
-GST_END_TEST
 
-GST_START_TEST(damaged_files_are_refused_with_the_place)
+CHECK_TEST(damaged_files_are_refused_with_the_place)
 {
   const std::string head = "[Calibration]\nversion=1\n";
   expect_refusal("", "version");
@@ -142,17 +142,15 @@ GST_START_TEST(damaged_files_are_refused_with_the_place)
   expect_refusal(head + "[Tactor 0]\nequalizer-db=3\n", "equalizer-hz: expected numbers");
   fail_unless(refusal(head + "[Tactor 0]\n").empty());
 }
-GST_END_TEST
 
-GST_START_TEST(missing_file_is_named)
+CHECK_TEST(missing_file_is_named)
 {
   const auto read = read_calibration("/nowhere/motors.calibration");
   fail_if(read.has_value());
   fail_unless(read.error().find("/nowhere/motors.calibration") != std::string::npos);
 }
-GST_END_TEST
 
-GST_START_TEST(unmeasured_motors_are_the_papers)
+CHECK_TEST(unmeasured_motors_are_the_papers)
 {
   const Calibration calibration{ .tactors = { { 2, some_tactor() } } };
   const std::vector<MotorParameters> motors = calibration.motors(3.0);
@@ -168,11 +166,10 @@ GST_START_TEST(unmeasured_motors_are_the_papers)
   fail_unless_near(static_cast<double>(rise_time(0.55, 1.75).count()) / 1e6,
                    rise_time_quadratic_ms(0.55, 1.2), 0.2);
 }
-GST_END_TEST
 
 // Two motors, one twice as strong, both with curved responses: perceived strength is equal on both,
 // and linear in the level.
-GST_START_TEST(levels_are_felt_equally_and_linearly)
+CHECK_TEST(levels_are_felt_equally_and_linearly)
 {
   TactorCalibration weak;
   TactorCalibration strong;
@@ -202,11 +199,10 @@ GST_START_TEST(levels_are_felt_equally_and_linearly)
   }
   fail_unless(told > 20, "%d commands", told);
 }
-GST_END_TEST
 
 // The measured start and hold voltages apply, not voltage-min: a level that does not start a motor
 // at rest keeps a turning one on.
-GST_START_TEST(thresholds_are_each_tactors_own)
+CHECK_TEST(thresholds_are_each_tactors_own)
 {
   const Calibration calibration{ .tactors = { { 0, { .start_volts = 0.9, .hold_volts = 0.3 } } } };
   CommandPlanner planner(2, unlimited({ .rate = 0, .compensation = Compensation::none }),
@@ -224,11 +220,10 @@ GST_START_TEST(thresholds_are_each_tactors_own)
   fail_unless(volts(3s, 0.05F, 0) == 0);
   fail_unless_near(volts(4s, 0.25F, 1), 0.75, 1e-6); // the other motor is the paper's
 }
-GST_END_TEST
 
 // The latency of the whole chain is measured per tactor. It replaces the latency that the driver
 // reports.
-GST_START_TEST(latency_is_part_of_the_lead)
+CHECK_TEST(latency_is_part_of_the_lead)
 {
   const Calibration calibration{ .tactors = { { 0, { .latency = 21ms } } } };
   CommandPlanner planner(2, unlimited({ .rate = 0, .transport_latency = 3ms }),
@@ -240,23 +235,5 @@ GST_START_TEST(latency_is_part_of_the_lead)
   for (const Command &command : planner.plan(2s, 1s, std::vector<float>{ 0, 0 }))
     fail_unless(command.lead == (command.tactor == 0 ? 21ms : 3ms));
 }
-GST_END_TEST
 
-static Suite *
-calibration_suite(void)
-{
-  Suite *suite = suite_create("calibration");
-  TCase *tests = tcase_create("calibration");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, file_round_trip);
-  tcase_add_test(tests, endless_files_are_refused);
-  tcase_add_test(tests, damaged_files_are_refused_with_the_place);
-  tcase_add_test(tests, missing_file_is_named);
-  tcase_add_test(tests, unmeasured_motors_are_the_papers);
-  tcase_add_test(tests, levels_are_felt_equally_and_linearly);
-  tcase_add_test(tests, thresholds_are_each_tactors_own);
-  tcase_add_test(tests, latency_is_part_of_the_lead);
-  return suite;
-}
-
-GST_CHECK_MAIN(calibration)
+CHECK_MAIN(calibration)

@@ -9,6 +9,8 @@
 #include <functional>
 #include <random>
 
+#include "support/check_tests.h"
+
 using saliency::CameraMotion;
 using saliency::Similarity;
 
@@ -86,7 +88,7 @@ apart(const Similarity &p, const Similarity &q, cv::Size size = kSize)
 
 } // namespace
 
-GST_START_TEST(test_follows)
+CHECK_TEST(test_follows)
 {
   // A constant step per frame. The accumulated pose may be off by half a sample and 1 % of the
   // distance that a corner has moved.
@@ -121,9 +123,8 @@ GST_START_TEST(test_follows)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_shakes)
+CHECK_TEST(test_shakes)
 {
   // A hand-held camera: shakes do not accumulate.
   CameraMotion camera;
@@ -134,9 +135,8 @@ GST_START_TEST(test_shakes)
     fail_unless_at_most(apart(camera.follow(seen_from(pose), 1), pose), 0.5);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rests)
+CHECK_TEST(test_rests)
 {
   // At rest the pose does not change by a bit, whatever the noise. After a motion this holds from
   // the next key frame on, at most 8 frames later.
@@ -159,9 +159,8 @@ GST_START_TEST(test_rests)
     fail_unless_at_most(apart(last, pose), 0.7);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exposure)
+CHECK_TEST(test_exposure)
 {
   // Gain and offset of lightness drift or jump. At rest that is not taken for motion, and a pan is
   // still followed.
@@ -182,9 +181,8 @@ GST_START_TEST(test_exposure)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_balls)
+CHECK_TEST(test_balls)
 {
   // Balls on an even background are not taken for camera motion: one with a radius of up to 12
   // samples, or two smaller ones that approach each other.
@@ -204,9 +202,8 @@ GST_START_TEST(test_balls)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_large_object)
+CHECK_TEST(test_large_object)
 {
   // A textured object crosses a still surface. It covers a share of the picture's width and all of
   // its height.
@@ -224,9 +221,8 @@ GST_START_TEST(test_large_object)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_parallax)
+CHECK_TEST(test_parallax)
 {
   // A camera that trucks past a distance and things nearby. No similarity explains both.
   CameraMotion camera;
@@ -241,9 +237,8 @@ GST_START_TEST(test_parallax)
   }
   fail_unless(found >= 35, "moved in %d of 39 frames", found);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pictures_without_texture)
+CHECK_TEST(test_pictures_without_texture)
 {
   // Pictures without texture: black, an even picture that brightens, a single edge.
   const std::function<double(int, int)> films[]
@@ -260,9 +255,8 @@ GST_START_TEST(test_pictures_without_texture)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise_alone)
+CHECK_TEST(test_noise_alone)
 {
   // Noise on an even picture has texture, but no frame repeats it.
   for (const double noise : { 0.5, 1.0, 2.0, 4.0, 10.0 }) {
@@ -274,9 +268,8 @@ GST_START_TEST(test_noise_alone)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_small_pictures)
+CHECK_TEST(test_small_pictures)
 {
   // Too small to estimate motion from. A sanitizer sees reads beyond them.
   CameraMotion camera;
@@ -290,9 +283,8 @@ GST_START_TEST(test_small_pictures)
     for (int i = 0; i < 4; ++i)
       fail_unless(camera.follow(seen_from(about_middle(1, 0, i, i), size), 1) == Similarity{});
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reset)
+CHECK_TEST(test_reset)
 {
   CameraMotion camera;
   const auto moved = [&](cv::Size size) {
@@ -307,9 +299,8 @@ GST_START_TEST(test_reset)
   camera.reset();
   fail_unless(camera.follow(seen_from(about_middle(1, 0, 7, 0), other), 1) == Similarity{});
 }
-GST_END_TEST;
 
-GST_START_TEST(test_key_frames_age)
+CHECK_TEST(test_key_frames_age)
 {
   // Motion is recognized from 0.2 samples within 8 frames at 30 fps. 0.02 samples a frame never
   // count, 0.04 are followed. At four times the frame rate the same speeds decide.
@@ -331,10 +322,9 @@ GST_START_TEST(test_key_frames_age)
     fail_unless_at_most(
         apart(camera.follow(seen_from({ 1, 0, 3.0 * i, 0 }), 8), { 1, 0, 3.0 * i, 0 }), 0.5);
 }
-GST_END_TEST;
 
 /// A change of the frame of reference does not change the motion, whatever the key frame's age.
-GST_START_TEST(test_rebase)
+CHECK_TEST(test_rebase)
 {
   for (const int when : { 3, 8, 13, 20 }) {
     CameraMotion camera;
@@ -354,28 +344,5 @@ GST_START_TEST(test_rebase)
     fail_unless(apart(then, {}) > 1);
   }
 }
-GST_END_TEST;
 
-static Suite *
-camera_motion_suite(void)
-{
-  Suite *suite = suite_create("camera_motion");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_follows);
-  tcase_add_test(tc, test_shakes);
-  tcase_add_test(tc, test_rests);
-  tcase_add_test(tc, test_exposure);
-  tcase_add_test(tc, test_balls);
-  tcase_add_test(tc, test_large_object);
-  tcase_add_test(tc, test_parallax);
-  tcase_add_test(tc, test_pictures_without_texture);
-  tcase_add_test(tc, test_noise_alone);
-  tcase_add_test(tc, test_small_pictures);
-  tcase_add_test(tc, test_reset);
-  tcase_add_test(tc, test_key_frames_age);
-  tcase_add_test(tc, test_rebase);
-  return suite;
-}
-
-GST_CHECK_MAIN(camera_motion);
+CHECK_MAIN(camera_motion)

@@ -12,6 +12,8 @@
 #include <numbers>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::CameraWave;
 using tactile::CameraWay;
 using tactile::TactileMap;
@@ -86,7 +88,7 @@ frames_between(const std::vector<TactileMap> &film, int row, int column, int to_
 } // namespace
 
 /// At the highest speed the wave takes a second over the picture, so 10 frames to the next cell.
-GST_START_TEST(test_direction)
+CHECK_TEST(test_direction)
 {
   const double fast = 2 * CameraWave::kFastest;
   const auto right = maps([=](double) { return CameraWay{ .right = fast }; }, 8);
@@ -104,11 +106,10 @@ GST_START_TEST(test_direction)
   const auto back = maps([=](double) { return CameraWay{ .ahead = -4 * fast }; }, 8);
   fail_unless_equals_int(frames_between(back, 0, 0, 0, 1), 10);
 }
-GST_END_TEST;
 
 /// From nothing at the slowest speed to the highest level at the fastest, in proportion, at any
 /// frame rate.
-GST_START_TEST(test_level)
+CHECK_TEST(test_level)
 {
   for (const double share : { -0.1, 0.0, 0.25, 0.5, 1.0, 3.0 }) {
     const double speed
@@ -124,10 +125,9 @@ GST_START_TEST(test_level)
     }
   }
 }
-GST_END_TEST;
 
 /// A camera that shakes, by 5 of 640 pixels five times a second, or that rests.
-GST_START_TEST(test_shake)
+CHECK_TEST(test_shake)
 {
   const auto shakes = [](double time) {
     constexpr double kCircle = 2 * std::numbers::pi * 5;
@@ -137,10 +137,9 @@ GST_START_TEST(test_shake)
     for (const TactileMap &map : maps(speed, 5))
       fail_unless_near(static_cast<double>(strongest(map)), 0, 0);
 }
-GST_END_TEST;
 
 /// A map with an event stays as it is. The wave is weaker than any event, and returns softly.
-GST_START_TEST(test_events_are_alone)
+CHECK_TEST(test_events_are_alone)
 {
   const auto event = [](double time) {
     return std::fmod(time, 4) >= 3;
@@ -156,10 +155,9 @@ GST_START_TEST(test_events_are_alone)
   fail_unless_at_most(static_cast<double>(strongest(film[120])), 0.1 * CameraWave::kMost);
   fail_unless(static_cast<double>(strongest(film[170])) > 0.6 * CameraWave::kMost);
 }
-GST_END_TEST;
 
 /// After a cut, a seek or a gap the wave begins anew.
-GST_START_TEST(test_begins_anew)
+CHECK_TEST(test_begins_anew)
 {
   const CameraWay way{ .right = 1.0 / 30 };
   for (const int jump : { 0, 1, 2 }) {
@@ -184,20 +182,5 @@ GST_START_TEST(test_begins_anew)
     }
   }
 }
-GST_END_TEST;
 
-static Suite *
-camera_wave_suite()
-{
-  Suite *suite = suite_create("camera wave");
-  TCase *tc = tcase_create("wave");
-  tcase_add_test(tc, test_direction);
-  tcase_add_test(tc, test_level);
-  tcase_add_test(tc, test_shake);
-  tcase_add_test(tc, test_events_are_alone);
-  tcase_add_test(tc, test_begins_anew);
-  suite_add_tcase(suite, tc);
-  return suite;
-}
-
-GST_CHECK_MAIN(camera_wave);
+CHECK_MAIN(camera_wave)

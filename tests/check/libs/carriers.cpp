@@ -7,9 +7,11 @@
 
 #include <algorithm>
 
+#include "support/check_tests.h"
+
 using namespace synth;
 
-GST_START_TEST(test_lists)
+CHECK_TEST(test_lists)
 {
   fail_unless((unwrap(read_numbers(" 40 , 62.5", 1, 1000)) == std::vector<double>{ 40, 62.5 }));
   assert_text(write_numbers(std::vector{ 40, 62.5 }), "40,62.5");
@@ -18,9 +20,8 @@ GST_START_TEST(test_lists)
   assert_text(write_waveforms(unwrap(read_waveforms("sample,square,triangle"))),
               "sample,square,triangle");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   for (const char *text : { "", "0.5", "1001", "nan", "40,", "40;60", "60Hz", "-60" })
     assert_contains(refusal_of(read_numbers(text, 1, 1000)),
@@ -34,9 +35,8 @@ GST_START_TEST(test_refused)
     long_list += ",1";
   assert_contains(refusal_of(read_numbers(long_list, 1, 2)), { "entry 4097" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_voices)
+CHECK_TEST(test_voices)
 {
   const auto loop = std::make_shared<const Wave>(5, std::vector<float>{ 0, 1 });
   const Carriers carriers{ .frequencies = { 40, 60 },
@@ -57,9 +57,8 @@ GST_START_TEST(test_voices)
       fail_unless(std::abs(apart - std::round(apart)) > 0.005);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tunings)
+CHECK_TEST(test_tunings)
 {
   const auto quiet = std::make_shared<const Wave>(5, std::vector<float>{ 0, 0.5F });
   const EqualizerBand band = { 60, -20, 1 };
@@ -74,7 +73,6 @@ GST_START_TEST(test_tunings)
   fail_unless_near(voices[2].wave->samples[1], 1, 1e-6);
   fail_unless_near(voices[3].gain, 0.5 * 0.5, 1e-6); // not measured
 }
-GST_END_TEST;
 
 /// The strongest sample of a second at a frequency.
 static float
@@ -88,7 +86,7 @@ peak_at(const Carriers &carriers, double frequency)
   return *std::max_element(sound.begin() + 100, sound.end());
 }
 
-GST_START_TEST(test_tuned)
+CHECK_TEST(test_tuned)
 {
   // The equalizer is that of the frequency: its gain in its middle, none far away.
   const EqualizerBand band = { 240, -20, 5 };
@@ -113,31 +111,13 @@ GST_START_TEST(test_tuned)
   tuned.render(sound);
   fail_unless(sound == expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_names)
+CHECK_TEST(test_names)
 {
   for (const char *text : { "", "purr.wav", "a b.wav,,c.wav", ",b.wav" })
     assert_text(write_names(unwrap(read_names(text))), text);
   fail_unless((unwrap(read_names("a.wav, b.wav")) == std::vector<std::string>{ "a.wav", "b.wav" }));
   assert_contains(refusal_of(read_names(std::string(5000, ','))), { "entry 4097" });
 }
-GST_END_TEST;
 
-static Suite *
-carriers_suite(void)
-{
-  Suite *suite = suite_create("carriers");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_lists);
-  tcase_add_test(tcase, test_refused);
-  tcase_add_test(tcase, test_voices);
-  tcase_add_test(tcase, test_tunings);
-  tcase_add_test(tcase, test_tuned);
-  tcase_add_test(tcase, test_names);
-  return suite;
-}
-
-GST_CHECK_MAIN(carriers);
+CHECK_MAIN(carriers)

@@ -8,9 +8,9 @@
 #include <future>
 #include <iterator>
 
+#include "support/check_tests.h"
 #include "support/no_threads.h"
 #include "support/settings_home.h"
-#include <gst/check/gstcheck.h>
 
 using namespace chair;
 
@@ -42,7 +42,7 @@ content(const std::string &path)
 
 } // namespace
 
-GST_START_TEST(nothing_is_set_without_a_file)
+CHECK_TEST(nothing_is_set_without_a_file)
 {
   const SettingsHome home;
   const Settings settings = read_settings();
@@ -50,9 +50,8 @@ GST_START_TEST(nothing_is_set_without_a_file)
   fail_unless(settings.enabled(true) && !settings.enabled(false));
   fail_if(any_enabled());
 }
-GST_END_TEST
 
-GST_START_TEST(program_beats_all_and_environment_beats_both)
+CHECK_TEST(program_beats_all_and_environment_beats_both)
 {
   const SettingsHome home;
   g_set_prgname("totem");
@@ -75,10 +74,9 @@ GST_START_TEST(program_beats_all_and_environment_beats_both)
   fail_unless(settings.values["intensity"] == "0.75");
   fail_if(settings.enabled(true) || any_enabled());
 }
-GST_END_TEST
 
 /// Names of files are bytes: no UTF-8, and a backslash, which key files escape.
-GST_START_TEST(a_path_of_any_bytes)
+CHECK_TEST(a_path_of_any_bytes)
 {
   const SettingsHome home;
   const std::string path = "/na\xefve\\motors";
@@ -90,9 +88,8 @@ GST_START_TEST(a_path_of_any_bytes)
   fail_unless(settings.complaints.empty(), "%s", settings.complaints.front().c_str());
   fail_unless((settings.values == Values{ { "calibration", path } }));
 }
-GST_END_TEST
 
-GST_START_TEST(a_program_is_found_by_its_executable_too)
+CHECK_TEST(a_program_is_found_by_its_executable_too)
 {
   const SettingsHome home;
   g_set_prgname("org.example.Player");
@@ -100,9 +97,8 @@ GST_START_TEST(a_program_is_found_by_its_executable_too)
   const Settings settings = read_settings();
   fail_unless((settings.values == Values{ { "intensity", "0.5" }, { "mute", "false" } }));
 }
-GST_END_TEST
 
-GST_START_TEST(others_that_are_on_are_known)
+CHECK_TEST(others_that_are_on_are_known)
 {
   const SettingsHome home;
   g_set_prgname("totem");
@@ -114,9 +110,8 @@ GST_START_TEST(others_that_are_on_are_known)
   home.write("[chair]\nenabled=true\n[totem]\nenabled=false\n[parole]\nenabled=yes\n");
   fail_if(any_enabled());
 }
-GST_END_TEST
 
-GST_START_TEST(wrong_values_are_told_and_the_others_kept)
+CHECK_TEST(wrong_values_are_told_and_the_others_kept)
 {
   const SettingsHome home;
   const std::pair<const char *, const char *> wrong[] = {
@@ -149,9 +144,8 @@ GST_START_TEST(wrong_values_are_told_and_the_others_kept)
               == "VISUOTACTILE_DENSITY: expected a number from 0 to 1, got '2'");
   fail_unless(read_settings().values.at("density") == "0.5");
 }
-GST_END_TEST
 
-GST_START_TEST(a_file_that_is_none_is_told)
+CHECK_TEST(a_file_that_is_none_is_told)
 {
   const SettingsHome home;
   fail_unless(contains(complaint(home, "intensity=1\n"), home.path()));
@@ -160,9 +154,8 @@ GST_START_TEST(a_file_that_is_none_is_told)
   std::filesystem::create_directory(home.path());
   fail_unless(contains(read_settings().complaints.at(0), "got a folder"));
 }
-GST_END_TEST
 
-GST_START_TEST(what_is_written_keeps_the_rest)
+CHECK_TEST(what_is_written_keeps_the_rest)
 {
   const SettingsHome home;
   home.write("# mine\n[chair]\n# louder\nintensity=0.5\n\n[parole]\nodd=1\n");
@@ -185,17 +178,15 @@ GST_START_TEST(what_is_written_keeps_the_rest)
   const std::string after = content(home.path());
   fail_unless(contains(after, "odd=1") && !contains(after, "totem"), "%s", after.c_str());
 }
-GST_END_TEST
 
-GST_START_TEST(a_file_that_cannot_be_written_is_told)
+CHECK_TEST(a_file_that_cannot_be_written_is_told)
 {
   const SettingsHome home;
   const auto file = *SettingsFile::load("/proc/nowhere/chair.conf");
   fail_unless(contains(file.save().error(), "cannot make the folder '/proc/nowhere'"));
 }
-GST_END_TEST
 
-GST_START_TEST(folders_are_made)
+CHECK_TEST(folders_are_made)
 {
   const SettingsHome home;
   auto file = *SettingsFile::load();
@@ -203,9 +194,8 @@ GST_START_TEST(folders_are_made)
   fail_unless(file.save().has_value());
   fail_unless((read_settings().values == Values{ { "mute", "true" } }));
 }
-GST_END_TEST
 
-GST_START_TEST(every_key_takes_what_it_says)
+CHECK_TEST(every_key_takes_what_it_says)
 {
   for (const Key &key : keys()) {
     fail_unless(find_key(key.name) == &key);
@@ -218,9 +208,8 @@ GST_START_TEST(every_key_takes_what_it_says)
   const Grid grid = parse_grid("2x64");
   fail_unless(grid.rows == 2 && grid.columns == 64);
 }
-GST_END_TEST
 
-GST_START_TEST(changes_are_heard)
+CHECK_TEST(changes_are_heard)
 {
   const SettingsHome home;
   home.write("");
@@ -235,46 +224,20 @@ GST_START_TEST(changes_are_heard)
   }
   fail_unless(read_settings().values.contains("mute"));
 }
-GST_END_TEST
 
-GST_START_TEST(a_watch_ends_at_once)
+CHECK_TEST(a_watch_ends_at_once)
 {
   const SettingsHome home;
   for (int i = 0; i < 200; i++)
     const SettingsWatch watch([] { fail("nothing was changed"); });
 }
-GST_END_TEST
 
-GST_START_TEST(without_threads_nothing_is_watched)
+CHECK_TEST(without_threads_nothing_is_watched)
 {
   const SettingsHome home;
   const NoThreads none;
   const SettingsWatch watch([] { fail("nothing was changed"); });
   fail_if(watch.watches());
 }
-GST_END_TEST
 
-static Suite *
-chair_settings_suite(void)
-{
-  Suite *suite = suite_create("chair_settings");
-  TCase *tests = tcase_create("chair_settings");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, nothing_is_set_without_a_file);
-  tcase_add_test(tests, program_beats_all_and_environment_beats_both);
-  tcase_add_test(tests, a_path_of_any_bytes);
-  tcase_add_test(tests, a_program_is_found_by_its_executable_too);
-  tcase_add_test(tests, others_that_are_on_are_known);
-  tcase_add_test(tests, wrong_values_are_told_and_the_others_kept);
-  tcase_add_test(tests, a_file_that_is_none_is_told);
-  tcase_add_test(tests, what_is_written_keeps_the_rest);
-  tcase_add_test(tests, a_file_that_cannot_be_written_is_told);
-  tcase_add_test(tests, folders_are_made);
-  tcase_add_test(tests, every_key_takes_what_it_says);
-  tcase_add_test(tests, changes_are_heard);
-  tcase_add_test(tests, a_watch_ends_at_once);
-  tcase_add_test(tests, without_threads_nothing_is_watched);
-  return suite;
-}
-
-GST_CHECK_MAIN(chair_settings)
+CHECK_MAIN(chair_settings)

@@ -5,17 +5,18 @@
 
 #include <array>
 
+#include "support/check_tests.h"
+
 using namespace synth;
 
-GST_START_TEST(test_a_channel_for_each_cell)
+CHECK_TEST(test_a_channel_for_each_cell)
 {
   fail_unless((plain_cells(2, 2, 4) == ChannelCells{ { 0 }, { 1 }, { 2 }, { 3 } }));
   fail_unless((plain_cells(1, 2, 4) == ChannelCells{ { 0 }, { 1 }, {}, {} }));
   fail_unless((plain_cells(1, 1, 1) == ChannelCells{ { 0 } }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_side_by_side)
+CHECK_TEST(test_side_by_side)
 {
   // 0 1 2
   // 3 4 5
@@ -37,9 +38,8 @@ GST_START_TEST(test_side_by_side)
         fail_if(times == 0);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_places)
+CHECK_TEST(test_places)
 {
   using enum Place;
   const std::vector<int> all = { 0, 1, 2, 3, 4, 5 };
@@ -67,36 +67,18 @@ GST_START_TEST(test_places)
                    none, none, none, all, { 0, 1, 3, 4 }, { 1, 2, 4, 5 }, { 0, 3 }, { 2, 5 } }));
   fail_unless((cells({ other, front_center }) == ChannelCells{ none, all }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping)
+CHECK_TEST(test_mapping)
 {
   fail_unless(
       (mapped_cells(std::array{ 1, -1, 0, 1, 7 }, 3) == ChannelCells{ { 2 }, { 0, 3 }, {} }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strongest_of_the_cells)
+CHECK_TEST(test_strongest_of_the_cells)
 {
   std::array<float, 3> pooled{ 9, 9, 9 };
   pool({ { 0, 1 }, {}, { 2, 99 } }, std::array{ 0.25F, 0.75F, std::nanf("") }, pooled);
   fail_unless((pooled == std::array<float, 3>{ 0.75F, 0, 0 }));
 }
-GST_END_TEST;
 
-static Suite *
-channel_cells_suite(void)
-{
-  Suite *suite = suite_create("channel_cells");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_a_channel_for_each_cell);
-  tcase_add_test(tcase, test_side_by_side);
-  tcase_add_test(tcase, test_places);
-  tcase_add_test(tcase, test_mapping);
-  tcase_add_test(tcase, test_strongest_of_the_cells);
-  return suite;
-}
-
-GST_CHECK_MAIN(channel_cells);
+CHECK_MAIN(channel_cells)

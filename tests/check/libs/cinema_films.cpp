@@ -16,6 +16,8 @@
 #include "support/felt.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using quality::CinemaFilm;
 using quality::CinemaJudge;
@@ -92,7 +94,7 @@ same(const cv::Mat &a, const cv::Mat &b)
 
 } // namespace
 
-GST_START_TEST(test_seeds)
+CHECK_TEST(test_seeds)
 {
   // The same seed gives the same film, even if other frames were drawn before; another one does
   // not.
@@ -120,9 +122,8 @@ GST_START_TEST(test_seeds)
     fail_unless(!same(a, b));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_parallax)
+CHECK_TEST(test_parallax)
 {
   // Of two walls, one three times as far moves a third as much.
   double moved[2] = {};
@@ -144,9 +145,8 @@ GST_START_TEST(test_parallax)
   fail_unless(moved[0] > 3, "%.2f pixels", moved[0]);
   fail_unless_near(moved[0] / moved[1], 3, 0.2);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_things_appear)
+CHECK_TEST(test_things_appear)
 {
   // What differs from the film without a thing is where the thing is said to be.
   for (const Travel how : { Travel::truck, Travel::dolly, Travel::walk, Travel::pan })
@@ -185,9 +185,8 @@ GST_START_TEST(test_things_appear)
       fail_unless(differing > 3);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_people_walk)
+CHECK_TEST(test_people_walk)
 {
   // Three people in each film, all of whom are to be found in most; felt only if they walk.
   int events = 0;
@@ -209,9 +208,8 @@ GST_START_TEST(test_people_walk)
     }
   fail_unless(events >= 18, "%d events", events);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_quiet)
+CHECK_TEST(test_quiet)
 {
   // Changes of light are never felt, textures not after 4 s.
   cv::Mat picture;
@@ -240,9 +238,8 @@ GST_START_TEST(test_quiet)
     fail_unless(!same(before, picture));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_titles)
+CHECK_TEST(test_titles)
 {
   // Where a title is quiet, nothing changes. Credits scroll on.
   cv::Mat last;
@@ -266,9 +263,8 @@ GST_START_TEST(test_titles)
   fail_unless(credits->draw(8s + kFrame, picture).verdict == Verdict::quiet);
   fail_unless(!same(picture, last));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_fire_and_talk)
+CHECK_TEST(test_fire_and_talk)
 {
   // Most of what changes from frame to frame is in the cells that are to be felt.
   for (const Maker &make : { light(Light::fire), talk(false), talk(true) }) {
@@ -296,9 +292,8 @@ GST_START_TEST(test_fire_and_talk)
     fail_unless(all > 1000 && inside > 0.5 * all, "%.0f of %.0f", inside, all);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_judge)
+CHECK_TEST(test_judge)
 {
   CinemaJudge judge;
   const auto expected = [](Verdict verdict, unsigned cells, int events) {
@@ -330,25 +325,5 @@ GST_START_TEST(test_judge)
   fail_unless_near(s.told.count, 2, 0);
   fail_unless_near(s.told.sum, 1, 0);
 }
-GST_END_TEST;
 
-static Suite *
-cinema_films_suite(void)
-{
-  cv::setNumThreads(1); // threads of this process are not in those that check forks
-  Suite *suite = suite_create("cinema_films");
-  TCase *tc = tcase_create("general");
-  tcase_set_timeout(tc, 120);
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_seeds);
-  tcase_add_test(tc, test_parallax);
-  tcase_add_test(tc, test_things_appear);
-  tcase_add_test(tc, test_people_walk);
-  tcase_add_test(tc, test_quiet);
-  tcase_add_test(tc, test_titles);
-  tcase_add_test(tc, test_fire_and_talk);
-  tcase_add_test(tc, test_judge);
-  return suite;
-}
-
-GST_CHECK_MAIN(cinema_films);
+CHECK_MAIN_AFTER(cinema_films, 120, cv::setNumThreads(1))

@@ -13,6 +13,8 @@
 #include "support/tolerance.h"
 #include "unlimited.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -51,7 +53,7 @@ text(const std::vector<Command> &commands)
 
 } // namespace
 
-GST_START_TEST(test_blocks_do_not_drift)
+CHECK_TEST(test_blocks_do_not_drift)
 {
   const FrameRate rates[] = { { 24, 1 }, { 25, 1 }, { 30000, 1001 }, { 30, 1 },
                               { 50, 1 }, { 60, 1 }, { 24000, 1001 }, { 60000, 1001 } };
@@ -79,9 +81,8 @@ GST_START_TEST(test_blocks_do_not_drift)
     fail_unless(blocks == 3000 || blocks == 2999);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rounded_stamps)
+CHECK_TEST(test_rounded_stamps)
 {
   // At 30 fps, with timestamps that are sums of rounded durations, every sixth frame begins a
   // block.
@@ -94,9 +95,8 @@ GST_START_TEST(test_rounded_stamps)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_every_map_is_a_block)
+CHECK_TEST(test_every_map_is_a_block)
 {
   for (const double rate : { 0.0, 24.0, 30.0, 100.0 }) {
     CommandPlanner planner(1, unlimited({ .rate = rate }));
@@ -108,9 +108,8 @@ GST_START_TEST(test_every_map_is_a_block)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unknown_durations)
+CHECK_TEST(test_unknown_durations)
 {
   // Durations of 0 or less count as 1/30 s.
   for (const Time duration : { 0ns, -1ns }) {
@@ -121,9 +120,8 @@ GST_START_TEST(test_unknown_durations)
           == (frame % 6 == 0 ? 1 : 0));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_holes)
+CHECK_TEST(test_holes)
 {
   CommandPlanner planner(1, unlimited());
   std::vector<int> begun;
@@ -140,9 +138,8 @@ GST_START_TEST(test_holes)
   }
   fail_unless(begun == (std::vector<int>{ 0, 9, 12, 18, 34, 40, 46, 52, 58 }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_level_of_the_blocks_first_map)
+CHECK_TEST(test_level_of_the_blocks_first_map)
 {
   // The paper's way: a block has the level that it begins with.
   CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }));
@@ -156,9 +153,8 @@ GST_START_TEST(test_level_of_the_blocks_first_map)
   fail_unless(planner.plan(kThirty.frame(6), 33ms, std::vector<float>{ 0.5F }).empty());
   fail_unless(text(planner.plan(kThirty.frame(12), 33ms, std::vector<float>{ 1.0F })) == "0:300 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_cue_is_lost)
+CHECK_TEST(test_no_cue_is_lost)
 {
   // A cue of two frames, wherever it begins in a block of six, is felt from its first frame on, for
   // a block. Without commands in between, the next one ends it.
@@ -177,9 +173,8 @@ GST_START_TEST(test_no_cue_is_lost)
     fail_unless(planned == expected, "begins with frame %d", begin);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strongest_frame)
+CHECK_TEST(test_strongest_frame)
 {
   // What becomes stronger by half within a block is felt at once, and others go on until their
   // block is over.
@@ -197,9 +192,8 @@ GST_START_TEST(test_strongest_frame)
   fail_unless(plan(9, 0.2F, 0.35F) == "1:105 ");
   fail_unless(plan(10, 0.0F, 0.6F) == "1:180 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   CommandPlanner planner(3, unlimited());
   fail_unless(planner.silence(0s).empty());
@@ -217,9 +211,8 @@ GST_START_TEST(test_silence)
   fail_unless(planner.plan(1200ms, 33ms, none).empty());
   fail_unless(text(planner.plan(1300ms, 33ms, none)) == "1:0 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silence_before_what_is_planned)
+CHECK_TEST(test_silence_before_what_is_planned)
 {
   // A gap may begin before the last map's time. Its command must not be due before that map's
   // command.
@@ -229,9 +222,8 @@ GST_START_TEST(test_silence_before_what_is_planned)
   fail_unless(off.due() >= on.due());
   fail_unless(off.lead >= 0s);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reset)
+CHECK_TEST(test_reset)
 {
   CommandPlanner planner(2, unlimited());
   const std::vector<float> levels{ 1.0F, 0.4F };
@@ -247,9 +239,8 @@ GST_START_TEST(test_reset)
     command.effect += 10s;
   fail_unless(again == first);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silenced)
+CHECK_TEST(test_silenced)
 {
   CommandPlanner planner(2, unlimited());
   const std::vector<float> levels{ 1.0F, 0.4F };
@@ -262,9 +253,8 @@ GST_START_TEST(test_silenced)
   for (const Command &command : again)
     fail_unless(command.due() == 2s && command.effect == 2s);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_change_of_rate)
+CHECK_TEST(test_change_of_rate)
 {
   CommandPlanner planner(1, unlimited());
   PlannerSettings settings;
@@ -280,9 +270,8 @@ GST_START_TEST(test_change_of_rate)
   fail_unless(planner.plan(200ms, 33ms, std::vector<float>{ 0.0F }).empty());
   fail_unless(text(planner.plan(233ms, 33ms, std::vector<float>{ 0.0F })) == "0:0 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mapping)
+CHECK_TEST(test_mapping)
 {
   const auto planned = [](std::vector<int> mapping, int tactors, const std::vector<float> &levels) {
     PlannerSettings settings;
@@ -304,9 +293,8 @@ GST_START_TEST(test_mapping)
   fail_unless(planned({ 0, 1, 2, 3, 4, 5 }, 6, levels) == "0:60 1:120 2:180 3:240 ");
   fail_unless(planned({}, 3, {}).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_validate_mapping)
+CHECK_TEST(test_validate_mapping)
 {
   const auto problem = [](std::vector<int> mapping, int cells, int tactors) {
     return CommandPlanner::validate_mapping(mapping, cells, tactors);
@@ -324,9 +312,8 @@ GST_START_TEST(test_validate_mapping)
   fail_unless(names(problem({ 0, 1, 2, 16 }, 4, 16), "16", "tactor"));
   fail_unless(problem({ 0, 1, 2, 15 }, 4, 16).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_volts)
+CHECK_TEST(test_volts)
 {
   fail_unless_near(volts_for({}, 0.5F), 1.5, 1e-6);
   fail_unless_near(volts_for({}, 1.0F), 3.0, 0);
@@ -343,9 +330,8 @@ GST_START_TEST(test_volts)
   fail_unless_near(volts_for({ .volts_min = 0.1 }, 0.1F), 0.3, 1e-6);
   fail_unless(volts_for({ .volts_max = 0.4 }, 1.0F) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_least_voltage_as_a_float)
+CHECK_TEST(test_least_voltage_as_a_float)
 {
   // A level one float below 1/6 stands for 0.5 V, at which the motor turns.
   const float sixth = std::nextafter(1.0F / 6.0F, 0.0F);
@@ -355,9 +341,8 @@ GST_START_TEST(test_least_voltage_as_a_float)
   fail_unless(commands[0].volts == 0.5);
   fail_unless(commands[0].lead == RiseTime()(0, 0.5));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels_out_of_range)
+CHECK_TEST(test_levels_out_of_range)
 {
   fail_unless(volts_for({}, 7.0F) == 3.0);
   fail_unless(volts_for({}, kInfinity) == 3.0);
@@ -369,9 +354,8 @@ GST_START_TEST(test_levels_out_of_range)
   planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
   fail_unless(text(planner.plan(1s, 33ms, std::vector<float>{ kNan })) == "0:0 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_order_lead_and_range)
+CHECK_TEST(test_order_lead_and_range)
 {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> level(-0.2F, 1.2F);
@@ -421,34 +405,5 @@ GST_START_TEST(test_order_lead_and_range)
     }
   }
 }
-GST_END_TEST;
 
-static Suite *
-command_planner_suite(void)
-{
-  Suite *suite = suite_create("command_planner");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_blocks_do_not_drift);
-  tcase_add_test(tests, test_rounded_stamps);
-  tcase_add_test(tests, test_every_map_is_a_block);
-  tcase_add_test(tests, test_unknown_durations);
-  tcase_add_test(tests, test_holes);
-  tcase_add_test(tests, test_level_of_the_blocks_first_map);
-  tcase_add_test(tests, test_no_cue_is_lost);
-  tcase_add_test(tests, test_strongest_frame);
-  tcase_add_test(tests, test_silence);
-  tcase_add_test(tests, test_silence_before_what_is_planned);
-  tcase_add_test(tests, test_reset);
-  tcase_add_test(tests, test_silenced);
-  tcase_add_test(tests, test_change_of_rate);
-  tcase_add_test(tests, test_mapping);
-  tcase_add_test(tests, test_validate_mapping);
-  tcase_add_test(tests, test_volts);
-  tcase_add_test(tests, test_least_voltage_as_a_float);
-  tcase_add_test(tests, test_levels_out_of_range);
-  tcase_add_test(tests, test_order_lead_and_range);
-  return suite;
-}
-
-GST_CHECK_MAIN(command_planner)
+CHECK_MAIN(command_planner)

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -65,7 +65,7 @@ struct ReferenceQueue
 
 } // namespace
 
-GST_START_TEST(test_empty)
+CHECK_TEST(test_empty)
 {
   CommandQueue queue(3);
   fail_unless(queue.size() == 0);
@@ -78,9 +78,8 @@ GST_START_TEST(test_empty)
   fail_unless(CommandQueue(0).levels().empty());
   fail_unless(CommandQueue(-1).levels().empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_order_of_due_times)
+CHECK_TEST(test_order_of_due_times)
 {
   CommandQueue queue(4);
   // The command with the earliest effect has the latest due time.
@@ -98,9 +97,8 @@ GST_START_TEST(test_order_of_due_times)
   fail_unless(levels(queue) == (std::vector<double>{ 1, 2, 3, 0.5 }));
   fail_unless(queue.size() == 0 && queue.coalesced() == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_latest_wins)
+CHECK_TEST(test_latest_wins)
 {
   CommandQueue queue(2);
   push(queue,
@@ -115,9 +113,8 @@ GST_START_TEST(test_latest_wins)
   fail_unless(queue.coalesced() == 3);
   fail_unless(levels(queue) == (std::vector<double>{ 0, 1 }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_expiry)
+CHECK_TEST(test_expiry)
 {
   CommandQueue queue(3);
   const auto until = [](Command one, Time end) {
@@ -152,9 +149,8 @@ GST_START_TEST(test_expiry)
   queue.clear();
   fail_unless(!queue.next_due());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_clear)
+CHECK_TEST(test_clear)
 {
   CommandQueue queue(2);
   push(queue, { command(10ms, 0, 1), command(10ms, 0, 2), command(20ms, 1, 3) });
@@ -166,9 +162,8 @@ GST_START_TEST(test_clear)
   fail_unless(queue.coalesced() == 1);
   fail_unless(queue.take_due(Time::max()).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_missing_tactors)
+CHECK_TEST(test_missing_tactors)
 {
   CommandQueue queue(2);
   push(queue, { command(0ms, -1, 1), command(0ms, 2, 1), command(0ms, 1, 1), command(0ms, 4096, 1),
@@ -179,9 +174,8 @@ GST_START_TEST(test_missing_tactors)
   push(none, { command(0ms, 0, 1) });
   fail_unless(none.size() == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_against_reference)
+CHECK_TEST(test_against_reference)
 {
   constexpr int kTactors = 5;
   std::mt19937 random(1);
@@ -217,22 +211,5 @@ GST_START_TEST(test_against_reference)
   }
   fail_unless(reference.coalesced > 100);
 }
-GST_END_TEST;
 
-static Suite *
-command_queue_suite(void)
-{
-  Suite *suite = suite_create("command_queue");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_empty);
-  tcase_add_test(tests, test_order_of_due_times);
-  tcase_add_test(tests, test_latest_wins);
-  tcase_add_test(tests, test_expiry);
-  tcase_add_test(tests, test_clear);
-  tcase_add_test(tests, test_missing_tactors);
-  tcase_add_test(tests, test_against_reference);
-  return suite;
-}
-
-GST_CHECK_MAIN(command_queue)
+CHECK_MAIN(command_queue)

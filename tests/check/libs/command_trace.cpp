@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -86,7 +86,7 @@ class Commas : public std::numpunct<char>
 
 } // namespace
 
-GST_START_TEST(test_exact_text)
+CHECK_TEST(test_exact_text)
 {
   // In a German locale, where installed, and in a C++ locale with commas.
   setlocale(LC_ALL, "de_DE.UTF-8");
@@ -113,9 +113,8 @@ GST_START_TEST(test_exact_text)
   fail_unless(read.size() == 4);
   fail_unless(read[0] == issued(1'234'567'891ns, 1'300'000'000ns, 65'785'000ns, 0, 1.5));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   std::mt19937_64 random(1);
   std::uniform_int_distribution<Time::rep> time(-Time(1min).count(), Time(24h).count());
@@ -134,9 +133,8 @@ GST_START_TEST(test_round_trip)
   fail_if(trace.failed());
   fail_unless(unwrap(read_command_trace(file.path())) == commands);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_commands)
+CHECK_TEST(test_no_commands)
 {
   const TraceFile file;
   file.write("something else");
@@ -144,9 +142,8 @@ GST_START_TEST(test_no_commands)
   fail_unless(file.read() == kHeader);
   fail_unless(unwrap(read_command_trace(file.path())).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_missing_file)
+CHECK_TEST(test_missing_file)
 {
   const TraceFile file;
   const std::string what = complaint(file.path());
@@ -154,9 +151,8 @@ GST_START_TEST(test_missing_file)
   // A folder is refused.
   fail_unless(contains(complaint(file.folder()), file.folder()));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_hostile_files)
+CHECK_TEST(test_hostile_files)
 {
   struct Case
   {
@@ -214,9 +210,8 @@ GST_START_TEST(test_hostile_files)
     fail_unless(what.size() < file.path().size() + 400 && !contains(what, "\n"));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_file_that_cannot_be_written)
+CHECK_TEST(test_file_that_cannot_be_written)
 {
   const TraceFile file;
   for (const std::string &path : { file.folder() + "/no/such/commands.csv", file.folder() }) {
@@ -225,9 +220,8 @@ GST_START_TEST(test_file_that_cannot_be_written)
     fail_unless(contains(error.text, path), "%s", error.text.c_str());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_full_disk)
+CHECK_TEST(test_full_disk)
 {
   if (!std::filesystem::exists("/dev/full"))
     return;
@@ -245,22 +239,5 @@ GST_START_TEST(test_full_disk)
     unflushed.write(issued(1ns, 2ns, 1ns, 0, 1));
   fail_unless(unflushed.failed());
 }
-GST_END_TEST;
 
-static Suite *
-command_trace_suite(void)
-{
-  Suite *suite = suite_create("command_trace");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_exact_text);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_no_commands);
-  tcase_add_test(tests, test_missing_file);
-  tcase_add_test(tests, test_hostile_files);
-  tcase_add_test(tests, test_file_that_cannot_be_written);
-  tcase_add_test(tests, test_full_disk);
-  return suite;
-}
-
-GST_CHECK_MAIN(command_trace)
+CHECK_MAIN(command_trace)

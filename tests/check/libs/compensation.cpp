@@ -13,6 +13,8 @@
 #include "support/tolerance.h"
 #include "unlimited.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -70,7 +72,7 @@ struct OracleMotor
 
 } // namespace
 
-GST_START_TEST(test_papers_worked_example)
+CHECK_TEST(test_papers_worked_example)
 {
   // The paper's example: "when 60 ms is found as the rising time …, the first three frames of the
   // data block are written with the previous input voltage and the remaining two frames are filled
@@ -94,9 +96,8 @@ GST_START_TEST(test_papers_worked_example)
   }
   fail_unless_near(commands[1].lead.count(), 2e9 / 30, 2);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frame_block_rounds_up_to_frames)
+CHECK_TEST(test_frame_block_rounds_up_to_frames)
 {
   struct Case
   {
@@ -130,9 +131,8 @@ GST_START_TEST(test_frame_block_rounds_up_to_frames)
   CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }), constant(60));
   fail_unless_near(planner.plan(0s, 0s, std::vector<float>{ 1.0F })[0].lead.count(), 2e9 / 30, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exact_lead_at_rest)
+CHECK_TEST(test_exact_lead_at_rest)
 {
   // Eq. 1 with Vs = 0, computed by hand
   struct Case
@@ -155,9 +155,8 @@ GST_START_TEST(test_exact_lead_at_rest)
   }
   fail_unless(first_plan({ .max_lead = 150ms }, 1, { 1.0F / 6.0F })[0].lead == 150ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_compensations_at_rest)
+CHECK_TEST(test_other_compensations_at_rest)
 {
   PlannerSettings settings{ .compensation = Compensation::none };
   fail_unless(first_plan(settings, 1, { 1.0F })[0].lead == 0s);
@@ -174,9 +173,8 @@ GST_START_TEST(test_other_compensations_at_rest)
   CommandPlanner slow(1, unlimited(settings), constant(400));
   fail_unless(slow.plan(0s, 33ms, std::vector<float>{ 1.0F })[0].lead == 154ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_falling_commands_have_no_lead)
+CHECK_TEST(test_falling_commands_have_no_lead)
 {
   for (const Compensation compensation : { Compensation::exact, Compensation::frame_block })
     for (const float level : { 0.7F, 0.3F, 0.0F }) {
@@ -187,9 +185,8 @@ GST_START_TEST(test_falling_commands_have_no_lead)
       fail_unless(commands[0].lead == 0s && commands[0].effect == 1s);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exact_against_brute_force)
+CHECK_TEST(test_exact_against_brute_force)
 {
   constexpr double kGrid = 10e-6;
   std::mt19937 random(3);
@@ -226,9 +223,8 @@ GST_START_TEST(test_exact_against_brute_force)
       fail_unless(searched > 100, "only %d commands were searched for", searched);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_amplitude_arrives_with_the_frame)
+CHECK_TEST(test_amplitude_arrives_with_the_frame)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> level(0.0F, 1.0F);
@@ -260,22 +256,5 @@ GST_START_TEST(test_amplitude_arrives_with_the_frame)
     fail_unless(rising > 300, "only %d commands rise", rising);
   }
 }
-GST_END_TEST;
 
-static Suite *
-compensation_suite(void)
-{
-  Suite *suite = suite_create("compensation");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_papers_worked_example);
-  tcase_add_test(tests, test_frame_block_rounds_up_to_frames);
-  tcase_add_test(tests, test_exact_lead_at_rest);
-  tcase_add_test(tests, test_other_compensations_at_rest);
-  tcase_add_test(tests, test_falling_commands_have_no_lead);
-  tcase_add_test(tests, test_exact_against_brute_force);
-  tcase_add_test(tests, test_amplitude_arrives_with_the_frame);
-  return suite;
-}
-
-GST_CHECK_MAIN(compensation)
+CHECK_MAIN(compensation)

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "support/check_tests.h"
+
 using saliency::Contrast;
 using saliency::LevelPair;
 using saliency::Pyramid;
@@ -47,7 +49,7 @@ pyramid_of(const oracle::LabImage &finest, int coarsest)
 
 } // namespace
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   // Lightness and chroma of the same pair of levels, or chroma of another one. Where both levels of
   // a pair are limited to the same level, its contrast is zero.
@@ -76,9 +78,8 @@ GST_START_TEST(test_brute_force)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_closed_form)
+CHECK_TEST(test_closed_form)
 {
   // A dot of (3, 4, 12) on black. One level up, its sample keeps 6/16 of it along each axis and
   // each neighbor gets 1/16. Two levels up: (6·6 + 2·4·1)/256 = 44/256.
@@ -98,9 +99,8 @@ GST_START_TEST(test_closed_form)
   fail_unless_near(map.at<float>(16, 16), std::sqrt(9 * fine * fine + 4 * 160 * coarse * coarse),
                    1e-5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ramp_has_no_contrast)
+CHECK_TEST(test_ramp_has_no_contrast)
 {
   // On a linear ramp center and surround agree if samples lie where the pyramid places them.
   // Half-pixel centers would leave a contrast of (2² - 1)/2 samples' slope. Mirrored borders bend
@@ -119,18 +119,5 @@ GST_START_TEST(test_ramp_has_no_contrast)
   Contrast(1)(pyramid, { 0, 2 }, { 1, 2 }, map);
   fail_unless_at_most(oracle::difference(map(within), oracle::Image(49, 49, 0)), 1e-4);
 }
-GST_END_TEST;
 
-static Suite *
-contrast_suite(void)
-{
-  Suite *suite = suite_create("contrast");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_closed_form);
-  tcase_add_test(tc, test_ramp_has_no_contrast);
-  return suite;
-}
-
-GST_CHECK_MAIN(contrast);
+CHECK_MAIN(contrast)

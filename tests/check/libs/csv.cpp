@@ -3,10 +3,12 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_text)
+CHECK_TEST(test_text)
 {
   Track track(1, 2);
   track.set_rate(5);
@@ -20,9 +22,8 @@ GST_START_TEST(test_text)
                                 "1033.3667,0,1\n"
                                 "1400,0,0\n");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exact_round_trip)
+CHECK_TEST(test_exact_round_trip)
 {
   for (unsigned seed = 0; seed < 200; seed++) {
     const Track track = random_track(seed, Time(16'683'333), 0);
@@ -31,9 +32,8 @@ GST_START_TEST(test_exact_round_trip)
   const Track empty(64, 64);
   fail_unless(read_csv(write_csv(empty)) == empty);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_text_from_spreadsheets)
+CHECK_TEST(test_text_from_spreadsheets)
 {
   fail_unless(read_csv("\xef\xbb\xbf# tactile grid=1x2,,\r\ntime_ms,t0,t1\r\n0,0.50, 0\r\n100.0, "
                        "0,0\r\n,,\r\n")
@@ -44,9 +44,8 @@ GST_START_TEST(test_text_from_spreadsheets)
                    return track;
                  }());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const auto read = [](const std::string &rest) {
     return read_csv("# tactile grid=1x2 rate=5\ntime_ms,t0,t1\n" + rest);
@@ -71,19 +70,5 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read("99999999999999999999,0,0\n"), "line 3", "time");
   ASSERT_COMPLAINT(read("360000001,0,0\n"), "line 3", "100 hours");
 }
-GST_END_TEST;
 
-static Suite *
-csv_suite(void)
-{
-  Suite *suite = suite_create("csv");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_text);
-  tcase_add_test(tests, test_exact_round_trip);
-  tcase_add_test(tests, test_text_from_spreadsheets);
-  tcase_add_test(tests, test_refused);
-  return suite;
-}
-
-GST_CHECK_MAIN(csv)
+CHECK_MAIN(csv)

@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::CueLimiter;
 using tactile::CueLimits;
 using tactile::TactileMap;
@@ -59,7 +61,7 @@ within(Time time, Time begin, Time end)
 
 } // namespace
 
-GST_START_TEST(test_off)
+CHECK_TEST(test_off)
 {
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> level(-1, 1);
@@ -75,10 +77,9 @@ GST_START_TEST(test_off)
     fail_unless(map == before);
   }
 }
-GST_END_TEST;
 
 /// A level that never ends passes for the allowed time, at any rate.
-GST_START_TEST(test_duration)
+CHECK_TEST(test_duration)
 {
   for (const FrameRate &rate : kRates)
     for (const Time allowed : { Time(1ns), Time(250ms), Time(1s), Time(3s) })
@@ -92,10 +93,9 @@ GST_START_TEST(test_duration)
                return within(time, rate.frame(first), rate.frame(first) + allowed);
              });
 }
-GST_END_TEST;
 
 /// After 100 ms of rest a new cue may begin. A shorter break belongs to the cue.
-GST_START_TEST(test_rest)
+CHECK_TEST(test_rest)
 {
   const auto with_break = [](Time length) {
     return [length](Time time) {
@@ -110,11 +110,10 @@ GST_START_TEST(test_rest)
   // At 24 fps one frame is too short for a rest, three are long enough.
   expect(with_break(41ms), 4s, limits, { 24, 1 }, [](Time time) { return time < 1s; });
 }
-GST_END_TEST;
 
 /// A flickering level is one cue: it ends after the allowed time, and its breaks start no
 /// refractory time.
-GST_START_TEST(test_flicker)
+CHECK_TEST(test_flicker)
 {
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 30, 1 }, { 60, 1 } }) {
     CueLimiter limiter;
@@ -126,11 +125,10 @@ GST_START_TEST(test_flicker)
     }
   }
 }
-GST_END_TEST;
 
 /// After a cue has run out, a level 1.5 times the lowest since then begins a new cue of full
 /// length. Levels too low to move a motor count as the lowest that does.
-GST_START_TEST(test_stronger_event)
+CHECK_TEST(test_stronger_event)
 {
   const CueLimits limits{ .max_duration = 500ms };
   const auto steps = [](float first, float second, float third) {
@@ -157,11 +155,10 @@ GST_START_TEST(test_stronger_event)
     expect([](Time time) { return time < 400ms ? 0.2F : 1.0F; }, 3s, limits, rate, once);
   }
 }
-GST_END_TEST;
 
 /// No cue begins within the refractory time after another. A level that lasts longer passes from
 /// then on.
-GST_START_TEST(test_refractory)
+CHECK_TEST(test_refractory)
 {
   // 200 ms of every 500 ms.
   const Level pulses = [](Time time) {
@@ -176,10 +173,9 @@ GST_START_TEST(test_refractory)
     expect(pulses, 5s, { .refractory = 300ms }, rate, [](Time) { return true; });
   }
 }
-GST_END_TEST;
 
 /// A cue that runs out ends then, and its refractory time begins.
-GST_START_TEST(test_both)
+CHECK_TEST(test_both)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 1s };
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 50, 1 }, { 1000, 1 } }) {
@@ -196,11 +192,10 @@ GST_START_TEST(test_both)
          { .max_duration = 550ms, .refractory = 1040ms }, { 10, 1 },
          [](Time time) { return time < 550ms || within(time, 1600ms, 2150ms); });
 }
-GST_END_TEST;
 
 /// At any frame rate a film gives the same result as at 1000 fps, except in frames in which a cue
 /// begins or ends.
-GST_START_TEST(test_rates_agree)
+CHECK_TEST(test_rates_agree)
 {
   std::mt19937 generator(7);
   for (int film = 0; film < 20; ++film) {
@@ -231,9 +226,8 @@ GST_START_TEST(test_rates_agree)
                 frames);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_cells_are_independent)
+CHECK_TEST(test_cells_are_independent)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 1s };
   CueLimiter limiter;
@@ -249,10 +243,9 @@ GST_START_TEST(test_cells_are_independent)
       fail_unless(map.levels[cell] == limited(alone[cell], before.levels[cell], time, limits));
   }
 }
-GST_END_TEST;
 
 /// A step back in time, another grid and reset() start anew. A repeated time does not.
-GST_START_TEST(test_resets)
+CHECK_TEST(test_resets)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 10s };
   const auto spent = [&](CueLimiter &limiter) {
@@ -285,10 +278,9 @@ GST_START_TEST(test_resets)
   spent(freed);
   fail_unless(limited(freed, 0.5F, 22s, {}) > 0);
 }
-GST_END_TEST;
 
 /// Times near the ends of their range.
-GST_START_TEST(test_extreme_times)
+CHECK_TEST(test_extreme_times)
 {
   constexpr Time kFar{ 1'000'000'000'000'000'000 };
   CueLimiter limiter;
@@ -296,26 +288,5 @@ GST_START_TEST(test_extreme_times)
   fail_unless(limited(limiter, 0.5F, Time(0), { .max_duration = kFar, .refractory = kFar }) == 0);
   fail_unless(limited(limiter, 1.0F, kFar, { .max_duration = kFar, .refractory = kFar }) > 0);
 }
-GST_END_TEST;
 
-static Suite *
-cue_limiter_suite(void)
-{
-  Suite *suite = suite_create("cue_limiter");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_off);
-  tcase_add_test(tc, test_duration);
-  tcase_add_test(tc, test_rest);
-  tcase_add_test(tc, test_flicker);
-  tcase_add_test(tc, test_stronger_event);
-  tcase_add_test(tc, test_refractory);
-  tcase_add_test(tc, test_both);
-  tcase_add_test(tc, test_rates_agree);
-  tcase_add_test(tc, test_cells_are_independent);
-  tcase_add_test(tc, test_resets);
-  tcase_add_test(tc, test_extreme_times);
-  return suite;
-}
-
-GST_CHECK_MAIN(cue_limiter);
+CHECK_MAIN(cue_limiter)

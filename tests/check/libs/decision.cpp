@@ -7,6 +7,8 @@
 
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using listen::Candidate;
 
 namespace {
@@ -31,7 +33,7 @@ struct Searches
 
 } // namespace
 
-GST_START_TEST(test_sure)
+CHECK_TEST(test_sure)
 {
   Searches searches;
   fail_if(searches.finds({}) || searches.finds({ kChance }) || searches.finds({ kHere, kThere }));
@@ -42,10 +44,9 @@ GST_START_TEST(test_sure)
   other.score = 6.5;
   fail_if(searches.finds({ other, high }), "another place is as good");
 }
-GST_END_TEST;
 
 /// All searches of 1.5 s.
-GST_START_TEST(test_likely)
+CHECK_TEST(test_likely)
 {
   Searches searches;
   int count = 1;
@@ -53,10 +54,9 @@ GST_START_TEST(test_likely)
     count++;
   fail_unless(count == 4, "%d", count);
 }
-GST_END_TEST;
 
 /// Two sightings of chance, however far apart.
-GST_START_TEST(test_disagreement)
+CHECK_TEST(test_disagreement)
 {
   const std::vector<std::vector<Candidate>> between{
     {}, { kChance }, { kThere }, { kHere, kThere }
@@ -74,18 +74,5 @@ GST_START_TEST(test_disagreement)
   searches.now += 60 * kSecond;
   fail_if(searches.finds({ kHere }), "of other sound");
 }
-GST_END_TEST;
 
-static Suite *
-decision_suite()
-{
-  Suite *suite = suite_create("decision");
-  TCase *tcase = tcase_create("general");
-  tcase_add_test(tcase, test_sure);
-  tcase_add_test(tcase, test_likely);
-  tcase_add_test(tcase, test_disagreement);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(decision);
+CHECK_MAIN(decision)

@@ -14,6 +14,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::DensityControl;
 using tactile::Time;
 using namespace std::chrono_literals;
@@ -78,7 +80,7 @@ felt_share(const Film &film, double density, double length, const FrameRate &rat
 } // namespace
 
 /// With 0 and with 1 the floor is the mapping's, whatever happens. A floor of 0 stays.
-GST_START_TEST(test_off)
+CHECK_TEST(test_off)
 {
   for (const double density : { 0.0, 1.0 }) {
     DensityControl control;
@@ -89,10 +91,9 @@ GST_START_TEST(test_off)
   for (Time time{ 0 }; time < 60s; time += 40ms)
     fail_unless_near(control.follow(Map(2, 2, 1).view(), 0, 0.25, time), 0, 0);
 }
-GST_END_TEST;
 
 /// Films that are felt all the time are brought to the share that is asked for.
-GST_START_TEST(test_share)
+CHECK_TEST(test_share)
 {
   constexpr double kLength = 600;
   unsigned seed = 0;
@@ -103,11 +104,10 @@ GST_START_TEST(test_share)
       fail_unless(share > density - 0.03, "%g of %g", share, density);
     }
 }
-GST_END_TEST;
 
 /// The bound at any time, of any film whose events the control may drop. Weaker films are left as
 /// they are.
-GST_START_TEST(test_bound)
+CHECK_TEST(test_bound)
 {
   unsigned seed = 100;
   for (const double density : { 0.05, 0.25, 0.6 })
@@ -122,10 +122,9 @@ GST_START_TEST(test_bound)
   };
   fail_unless_near(felt_share(sparse, 0.25, 100), 0.1, 1e-3);
 }
-GST_END_TEST;
 
 /// An event that stays: the times at which it goes and comes, by the rates.
-GST_START_TEST(test_event_that_stays)
+CHECK_TEST(test_event_that_stays)
 {
   constexpr double kStrength = 2; // of the floor
   const double hold = std::log(1 / DensityControl::kHold);
@@ -151,10 +150,9 @@ GST_START_TEST(test_event_that_stays)
                        0.001 * static_cast<double>(i + 1) * (1 + up / down));
   }
 }
-GST_END_TEST;
 
 /// The strongest events are always felt, and after silence every event is.
-GST_START_TEST(test_what_stays)
+CHECK_TEST(test_what_stays)
 {
   for (const double density : { 0.02, 0.25, 0.75 }) {
     DensityControl control;
@@ -179,10 +177,9 @@ GST_START_TEST(test_what_stays)
     fail_unless(felt(control, 1.001 * kFloor, density, time));
   }
 }
-GST_END_TEST;
 
 /// Of two kinds of events that alternate, the weaker ones are dropped.
-GST_START_TEST(test_weaker_ones_first)
+CHECK_TEST(test_weaker_ones_first)
 {
   DensityControl control;
   int strong = 0;
@@ -197,10 +194,9 @@ GST_START_TEST(test_weaker_ones_first)
   fail_unless(strong >= 0.95 * 25 * 30, "%d frames of strong events", strong);
   fail_unless(weak <= 0.05 * 75 * 30, "%d frames of weak ones", weak);
 }
-GST_END_TEST;
 
 /// At any frame rate the same share is felt, within 0.02, and the same moments: all but 6 %.
-GST_START_TEST(test_rates_agree)
+CHECK_TEST(test_rates_agree)
 {
   constexpr double kLength = 120;
   const Film film = random_film(11, kLength);
@@ -225,11 +221,10 @@ GST_START_TEST(test_rates_agree)
                      static_cast<double>(std::ranges::count(reference, true)) / own.size(), 0.02);
   }
 }
-GST_END_TEST;
 
 /// The past is dropped by reset(), by a time that goes back and while the control is off; a gap
 /// counts for a second.
-GST_START_TEST(test_resets)
+CHECK_TEST(test_resets)
 {
   DensityControl control;
   const auto raise = [&] {
@@ -255,23 +250,5 @@ GST_START_TEST(test_resets)
   fail_unless_near(floor, kFloor * std::exp(DensityControl::kRate * 0.75) * DensityControl::kHold,
                    1e-9);
 }
-GST_END_TEST;
 
-static Suite *
-density_suite(void)
-{
-  Suite *suite = suite_create("density");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_off);
-  tcase_add_test(tc, test_share);
-  tcase_add_test(tc, test_bound);
-  tcase_add_test(tc, test_event_that_stays);
-  tcase_add_test(tc, test_what_stays);
-  tcase_add_test(tc, test_weaker_ones_first);
-  tcase_add_test(tc, test_rates_agree);
-  tcase_add_test(tc, test_resets);
-  return suite;
-}
-
-GST_CHECK_MAIN(density);
+CHECK_MAIN(density)

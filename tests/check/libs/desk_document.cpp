@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <random>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using desk::Cue;
 using desk::Document;
@@ -70,7 +72,7 @@ random_splices(std::mt19937 &random, std::vector<Cue> cues, std::size_t cells)
 
 } // namespace
 
-GST_START_TEST(test_bytes_stay)
+CHECK_TEST(test_bytes_stay)
 {
   const char *files[] = {
     "WEBVTT\n\nNOTE tactile grid=1x2\n\n00:01.000 --> 00:02.000\n1 2\n",
@@ -99,9 +101,8 @@ GST_START_TEST(test_bytes_stay)
     ASSERT_TEXT(document.text(), file);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_changed_cue)
+CHECK_TEST(test_changed_cue)
 {
   Document document = document_of("WEBVTT\r\n\r\nNOTE one\r\n\r\nid\r\n00:01.000 --> 00:02.000 "
                                   "line:0\r\n1 2\r\n\r\n00:02.000 --> 00:03.000\r\n1 2\r\n");
@@ -116,10 +117,9 @@ GST_START_TEST(test_changed_cue)
               "--> 00:00:01.500 line:0\r\n100   0\r\n\r\n00:02.000 --> 00:03.000\r\n1 2\r\n");
   fail_unless(document_of(document.text()).cues() == document.cues());
 }
-GST_END_TEST;
 
 /// Blocks that the reader takes for comments, styles and regions, whatever they hold.
-GST_START_TEST(test_frequency)
+CHECK_TEST(test_frequency)
 {
   const std::string text = "WEBVTT\n\n00:00.000 --> 00:00.100\n10 20\n120 Hz\n\n"
                            "00:00.200 --> 00:00.300\n30 40\n";
@@ -135,9 +135,8 @@ GST_START_TEST(test_frequency)
   tuned.frequency = 1001;
   fail_if(document.apply({ { .at = 0, .remove = 1, .insert = { tuned } } }).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_arrow_in_a_comment)
+CHECK_TEST(test_arrow_in_a_comment)
 {
   for (const char *first : { "NOTE slower --> faster", "NOTE\t-->", "STYLE -->", "REGION a-->b" }) {
     const std::string file = std::string("WEBVTT - a --> b\n\nNOTE tactile grid=1x2\n\n") + first
@@ -150,11 +149,10 @@ GST_START_TEST(test_arrow_in_a_comment)
     fail_unless(document_of(document.text()).cues() == document.cues());
   }
 }
-GST_END_TEST;
 
 /// Any track that can be read can be drawn into, emptied and drawn into again, and read as it is.
 /// What is no note stays in the file.
-GST_START_TEST(test_blocks_stay)
+CHECK_TEST(test_blocks_stay)
 {
   const std::string longest(4097, 'x');
   const std::string grid = "WEBVTT\n\nNOTE tactile grid=1x2\n\n";
@@ -230,10 +228,9 @@ GST_START_TEST(test_blocks_stay)
     }
   }
 }
-GST_END_TEST;
 
 /// More notes than a page takes are lines of the last one.
-GST_START_TEST(test_too_many_notes)
+CHECK_TEST(test_too_many_notes)
 {
   std::string file = "WEBVTT\n\n";
   for (int i = 0; i < 18; i++)
@@ -246,9 +243,8 @@ GST_START_TEST(test_too_many_notes)
   const auto full = Document::read(file + "NOTE " + std::string(4096, 'x') + "\n\n" + timing);
   fail_unless(!full && full.error().text().find("16 notes") != std::string::npos);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   Document document
       = document_of("WEBVTT\n\nNOTE tactile grid=1x2\n\n00:01.000 --> 00:02.000\n1 2\n");
@@ -284,10 +280,9 @@ GST_START_TEST(test_refused)
   fail_unless(!Document::read("WEBVTT\n\nNOTE \xff\n\n00:01.000 --> 00:02.000\n1 2\n"));
   fail_unless(!Document::read("00:01.000 --> 00:02.000\n1 2\n"));
 }
-GST_END_TEST;
 
 /// A hundred thousand splices of a full track: in order, from its end, and back and forth.
-GST_START_TEST(test_many_splices)
+CHECK_TEST(test_many_splices)
 {
   std::string text = "WEBVTT\n\nNOTE tactile grid=1x1\n";
   for (int i = 0; i < static_cast<int>(desk::kMostCues); i++)
@@ -312,9 +307,8 @@ GST_START_TEST(test_many_splices)
   fail_unless(!refused && refused.error().find("order") != std::string::npos);
   fail_unless(document.cues() == before);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_size)
+CHECK_TEST(test_size)
 {
   const std::string text = "WEBVTT\n\nNOTE tactile grid=1x1\n\n00:01.000 --> 00:02.000\n1\n";
   auto document = Document::read(text, text.size() + 1000);
@@ -334,9 +328,8 @@ GST_START_TEST(test_size)
   for (int i = 0; i < 10; i++)
     fail_unless(document->apply(*back) && document->apply({ one }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_random_edits)
+CHECK_TEST(test_random_edits)
 {
   for (unsigned seed = 0; seed < 60; seed++) {
     std::mt19937 random(seed);
@@ -374,9 +367,8 @@ GST_START_TEST(test_random_edits)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_operations)
+CHECK_TEST(test_operations)
 {
   for (unsigned seed = 0; seed < 60; seed++) {
     const tactile::Track track = random_track(seed, tactile::kTextTick, tactile::kTextSteps);
@@ -426,9 +418,8 @@ GST_START_TEST(test_operations)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_selection)
+CHECK_TEST(test_selection)
 {
   Document document
       = document_of("WEBVTT\n\nNOTE tactile grid=1x2\n\n00:01.000 --> 00:03.000\n50 50\n");
@@ -455,27 +446,5 @@ GST_START_TEST(test_selection)
   fail_unless(!operate(document, nullptr, { .name = "scale", .value = 101 }));
   fail_unless(!operate(document, nullptr, { .name = "quantize", .value = 0 }));
 }
-GST_END_TEST;
 
-static Suite *
-desk_document_suite()
-{
-  Suite *suite = suite_create("desk_document");
-  TCase *tests = tcase_create("all");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_bytes_stay);
-  tcase_add_test(tests, test_changed_cue);
-  tcase_add_test(tests, test_frequency);
-  tcase_add_test(tests, test_arrow_in_a_comment);
-  tcase_add_test(tests, test_blocks_stay);
-  tcase_add_test(tests, test_too_many_notes);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_many_splices);
-  tcase_add_test(tests, test_size);
-  tcase_add_test(tests, test_random_edits);
-  tcase_add_test(tests, test_operations);
-  tcase_add_test(tests, test_selection);
-  return suite;
-}
-
-GST_CHECK_MAIN(desk_document)
+CHECK_MAIN(desk_document)

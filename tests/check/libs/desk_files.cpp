@@ -23,7 +23,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace fs = std::filesystem;
 using files::Journal;
@@ -132,7 +132,7 @@ flock(int descriptor, int operation) noexcept
 }
 #pragma GCC visibility pop
 
-GST_START_TEST(test_cleared_but_not_on_disk)
+CHECK_TEST(test_cleared_but_not_on_disk)
 {
   const Folder folder;
   Journal journal = folder.journal();
@@ -149,10 +149,9 @@ GST_START_TEST(test_cleared_but_not_on_disk)
   fail_unless(content && !content->damaged && content->base == "base two");
   fail_unless(content->entries == std::vector<std::string>{ "edit two" });
 }
-GST_END_TEST;
 
 /// The desk before ends between this one's open() and flock().
-GST_START_TEST(test_lock_of_a_removed_file)
+CHECK_TEST(test_lock_of_a_removed_file)
 {
   const Folder folder;
   folder.write("journal", "");
@@ -165,9 +164,8 @@ GST_START_TEST(test_lock_of_a_removed_file)
   fail_unless(folder.read("journal").ends_with("edit\n"));
   fail_unless(!Journal::open(folder.path("journal"), desk::kJournal), "two desks at once");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_journal_is_bounded)
+CHECK_TEST(test_journal_is_bounded)
 {
   constexpr std::size_t kLarge = (std::size_t{ 1 } << 30) + 1;
   const Folder folder;
@@ -192,10 +190,9 @@ GST_START_TEST(test_journal_is_bounded)
   fail_unless(aside && fs::file_size(*aside) == kLarge);
   fail_unless(journal.append("base", "edit").has_value());
 }
-GST_END_TEST;
 
 /// FAT has neither permissions nor links.
-GST_START_TEST(test_fat)
+CHECK_TEST(test_fat)
 {
   const Folder folder;
   folder.write("film.vtt", "old");
@@ -217,10 +214,9 @@ GST_START_TEST(test_fat)
   fail_unless(aside.has_value(), "%s", aside ? "" : aside.error().c_str());
   fail_unless(folder.read("journal.damaged-1") == "damaged\n");
 }
-GST_END_TEST;
 
 /// A file that is in place is no failure, whatever the disk says then.
-GST_START_TEST(test_folder_not_on_disk)
+CHECK_TEST(test_folder_not_on_disk)
 {
   const Folder folder;
   folder.write("film.vtt", "old");
@@ -238,10 +234,9 @@ GST_START_TEST(test_folder_not_on_disk)
   fail_unless(folder.read("film.vtt") == "new");
   fail_unless(std::distance(fs::directory_iterator(folder.path("")), {}) == 1);
 }
-GST_END_TEST;
 
 /// Emacs and cp --backup=numbered have their own versions.
-GST_START_TEST(test_versions_of_others)
+CHECK_TEST(test_versions_of_others)
 {
   const Folder folder;
   for (int i = 1; i <= 30; i++) {
@@ -256,21 +251,5 @@ GST_START_TEST(test_versions_of_others)
     fail_unless(fs::exists(folder.path("film.vtt.desk~" + std::to_string(i) + "~")) == (i > 27));
   }
 }
-GST_END_TEST;
 
-static Suite *
-desk_files_suite()
-{
-  Suite *suite = suite_create("desk_files");
-  TCase *tests = tcase_create("all");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_cleared_but_not_on_disk);
-  tcase_add_test(tests, test_lock_of_a_removed_file);
-  tcase_add_test(tests, test_journal_is_bounded);
-  tcase_add_test(tests, test_fat);
-  tcase_add_test(tests, test_folder_not_on_disk);
-  tcase_add_test(tests, test_versions_of_others);
-  return suite;
-}
-
-GST_CHECK_MAIN(desk_files)
+CHECK_MAIN(desk_files)

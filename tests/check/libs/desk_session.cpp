@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <iterator>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace fs = std::filesystem;
 using desk::Refusal;
@@ -91,7 +91,7 @@ with_level(const char *level)
 } // namespace
 
 /// A session that was killed at any byte of its journal goes on from what was answered.
-GST_START_TEST(test_cut_off_anywhere)
+CHECK_TEST(test_cut_off_anywhere)
 {
   const Folder folder;
   std::string journal;
@@ -128,9 +128,8 @@ GST_START_TEST(test_cut_off_anywhere)
   fail_unless(session->edit(edit(3, 77, "next")).has_value() && session->revision() == 4);
   ASSERT_TEXT(folder.read("film.vtt"), kTrack);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_save)
+CHECK_TEST(test_save)
 {
   const Folder folder;
   {
@@ -151,10 +150,9 @@ GST_START_TEST(test_save)
   }
   fail_if(fs::exists(folder.path("film.vtt.journal")));
 }
-GST_END_TEST;
 
 /// A save that was cut off after the file was written, before the journal was emptied.
-GST_START_TEST(test_cut_off_save)
+CHECK_TEST(test_cut_off_save)
 {
   const Folder folder;
   {
@@ -166,9 +164,8 @@ GST_START_TEST(test_cut_off_save)
   fail_unless(session->revision() == 0 && session->messages().empty());
   fail_if(fs::exists(folder.path("film.recovered.vtt")));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_another_program)
+CHECK_TEST(test_another_program)
 {
   const Folder folder;
   for (const char *name : { "film.recovered.vtt", "film.recovered-2.vtt" }) {
@@ -184,10 +181,9 @@ GST_START_TEST(test_another_program)
     fail_unless(folder.read(name) == with_level(" 60"));
   }
 }
-GST_END_TEST;
 
 /// What another program writes while the track is open is not replaced without a word.
-GST_START_TEST(test_changed_outside)
+CHECK_TEST(test_changed_outside)
 {
   const Folder folder;
   {
@@ -213,9 +209,8 @@ GST_START_TEST(test_changed_outside)
   }
   fail_if(fs::exists(folder.path("film.vtt.journal")));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_damaged)
+CHECK_TEST(test_damaged)
 {
   const Folder folder;
   folder.write("film.vtt.journal", "something else\n");
@@ -230,9 +225,8 @@ GST_START_TEST(test_damaged)
   fail_unless(folder.open()->messages().size() == 1, "only what is right is left");
   fail_unless(folder.read("film.vtt.journal.damaged-2").ends_with("{}\n{}\n"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const Folder folder;
   folder.write("film.csv", "# tactile grid=1x1\ntime_ms,t0\n0,1\n");
@@ -243,9 +237,8 @@ GST_START_TEST(test_refused)
     fail_if(fs::exists(folder.path(name) + ".journal"));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_link)
+CHECK_TEST(test_link)
 {
   const Folder folder;
   fs::create_directory(folder.path("other"));
@@ -256,9 +249,8 @@ GST_START_TEST(test_link)
   fail_unless(fs::is_symlink(folder.path("film.vtt")));
   fail_unless(folder.read("other/film.vtt") == with_level(" 60"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seat)
+CHECK_TEST(test_seat)
 {
   desk::Seat seat;
   fail_if(seat.take("a", true));
@@ -278,24 +270,5 @@ GST_START_TEST(test_seat)
   fail_if(seat.left("b"));
   fail_unless(seat.take("a", false));
 }
-GST_END_TEST;
 
-static Suite *
-desk_session_suite()
-{
-  Suite *suite = suite_create("desk_session");
-  TCase *tests = tcase_create("all");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_cut_off_anywhere);
-  tcase_add_test(tests, test_save);
-  tcase_add_test(tests, test_cut_off_save);
-  tcase_add_test(tests, test_another_program);
-  tcase_add_test(tests, test_changed_outside);
-  tcase_add_test(tests, test_damaged);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_link);
-  tcase_add_test(tests, test_seat);
-  return suite;
-}
-
-GST_CHECK_MAIN(desk_session)
+CHECK_MAIN(desk_session)

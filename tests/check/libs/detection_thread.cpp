@@ -7,7 +7,7 @@
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <opencv2/core.hpp>
 
@@ -45,7 +45,7 @@ gray(double lightness)
 } // namespace
 
 /// A picture that waits is replaced; results are those of the latest.
-GST_START_TEST(test_latest_wins)
+CHECK_TEST(test_latest_wins)
 {
   FakeFaces fake;
   fake.hold();
@@ -67,10 +67,9 @@ GST_START_TEST(test_latest_wins)
   ck_assert_int_eq(thread.statistics().detections, 2);
   ck_assert_int_eq(fake.made(), 1);
 }
-GST_END_TEST;
 
 /// It ends while a detection runs, and before any.
-GST_START_TEST(test_ends)
+CHECK_TEST(test_ends)
 {
   FakeFaces fake;
   {
@@ -89,10 +88,9 @@ GST_START_TEST(test_ends)
   other.join();
   fail_unless(fake.seen().size() <= 2);
 }
-GST_END_TEST;
 
 /// Pictures are of about the wanted size, and boxes are in pixels of the frame.
-GST_START_TEST(test_sizes)
+CHECK_TEST(test_sizes)
 {
   FakeFaces fake;
   DetectionThread thread(fake.make(), kWidth);
@@ -123,10 +121,9 @@ GST_START_TEST(test_sizes)
     fail_unless_near(thread.take(true)->at(0).skin, 0, 1e-9);
   }
 }
-GST_END_TEST;
 
 /// Skin of light and of dark people, and what is none.
-GST_START_TEST(test_skin)
+CHECK_TEST(test_skin)
 {
   FakeFaces fake;
   fake.set({ cv::Rect(10, 10, 40, 40) });
@@ -142,10 +139,9 @@ GST_START_TEST(test_skin)
   fail_unless(skin({ 60, -5, -30 }) < 0.1); // sky
   fail_unless(skin({ 5, 14, 20 }) < 0.1);   // too dark to tell
 }
-GST_END_TEST;
 
 /// What is missing is told, once nobody waits for results in vain.
-GST_START_TEST(test_failures)
+CHECK_TEST(test_failures)
 {
   DetectionThread broken(
       []() -> tl::expected<std::unique_ptr<people::Detector>, std::string> {
@@ -191,10 +187,9 @@ GST_START_TEST(test_failures)
   fail_unless(no_module.failure().find("/nothing/") != std::string::npos, "%s",
               no_module.failure().c_str());
 }
-GST_END_TEST;
 
 /// What a detector throws, or what makes it, ends the look for people and not the process.
-GST_START_TEST(test_exceptions)
+CHECK_TEST(test_exceptions)
 {
   const std::function<void()> throwing[] = {
     [] { throw std::bad_alloc(); },
@@ -227,22 +222,5 @@ GST_START_TEST(test_exceptions)
     fail_unless(unmade.failure().find(told[i]) != std::string::npos);
   }
 }
-GST_END_TEST;
 
-static Suite *
-detection_thread_suite(void)
-{
-  Suite *suite = suite_create("detection_thread");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_latest_wins);
-  tcase_add_test(tcase, test_ends);
-  tcase_add_test(tcase, test_sizes);
-  tcase_add_test(tcase, test_skin);
-  tcase_add_test(tcase, test_failures);
-  tcase_add_test(tcase, test_exceptions);
-  return suite;
-}
-
-GST_CHECK_MAIN(detection_thread);
+CHECK_MAIN(detection_thread)

@@ -14,6 +14,8 @@
 #include "motor_account.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A driver's thread: it sends levels when they are written and when the account says so.
@@ -66,7 +68,7 @@ private:
 } // namespace
 
 /// Whoever writes the levels gets no CPU time: zeros come up to 3 s late, or not at all.
-GST_START_TEST(test_limits_hold_whoever_is_late)
+CHECK_TEST(test_limits_hold_whoever_is_late)
 {
   DeviceAccount account;
   account.set_limits({});
@@ -98,10 +100,9 @@ GST_START_TEST(test_limits_hold_whoever_is_late)
     fail_unless(fullest_minute(stretches) >= 20s);
   }
 }
-GST_END_TEST;
 
 /// A scheduler that is in time, but for some milliseconds, keeps the limits itself.
-GST_START_TEST(test_nothing_is_cut_of_what_is_in_time)
+CHECK_TEST(test_nothing_is_cut_of_what_is_in_time)
 {
   DeviceAccount account;
   account.set_limits({ .max_duty = 0 });
@@ -116,10 +117,9 @@ GST_START_TEST(test_nothing_is_cut_of_what_is_in_time)
   ck_assert_uint_eq(account.cuts(), 0);
   ck_assert_uint_eq(device.stretches[0].size(), 30);
 }
-GST_END_TEST;
 
 /// A level that was cut begins again when it was let go, or after 3 s.
-GST_START_TEST(test_a_cut_level_rests)
+CHECK_TEST(test_a_cut_level_rests)
 {
   DeviceAccount account;
   account.set_limits({ .max_on_time = 1s, .max_duty = 0 });
@@ -142,11 +142,10 @@ GST_START_TEST(test_a_cut_level_rests)
   fail_unless(device.is_on(0));
   fail_if(account.deadline());
 }
-GST_END_TEST;
 
 /// One that was cut, let go and wanted again at once begins when the shortest rest is over: that is
 /// another cue.
-GST_START_TEST(test_a_cut_level_is_wanted_again)
+CHECK_TEST(test_a_cut_level_is_wanted_again)
 {
   DeviceAccount account;
   account.set_limits({ .max_on_time = 1s, .max_duty = 0 });
@@ -161,10 +160,9 @@ GST_START_TEST(test_a_cut_level_is_wanted_again)
   fail_unless(device.is_on(0));
   ck_assert_uint_eq(account.cuts(), 1);
 }
-GST_END_TEST;
 
 /// Motors beyond the levels are at zero, and a device that is gone has no levels at all.
-GST_START_TEST(test_motors_without_levels)
+CHECK_TEST(test_motors_without_levels)
 {
   DeviceAccount account;
   account.set_limits({ .max_on_time = 1s, .max_duty = 0 });
@@ -180,12 +178,11 @@ GST_START_TEST(test_motors_without_levels)
   fail_unless(use.off_since() == 2500ms);
   ck_assert_uint_eq(account.cuts(), 0);
 }
-GST_END_TEST;
 
 /// An application that restarts its pipeline every two seconds: each play has a new planner and a
 /// new running time. The limit of the device is that of one long play, and it is the planner that
 /// keeps it.
-GST_START_TEST(test_restarts_get_no_new_account)
+CHECK_TEST(test_restarts_get_no_new_account)
 {
   const std::string name = "chair of test_restarts_get_no_new_account";
   fail_unless(DeviceAccount::of(name) == DeviceAccount::of(name));
@@ -213,10 +210,9 @@ GST_START_TEST(test_restarts_get_no_new_account)
   fail_unless(limited > 0);
   ck_assert_uint_eq(DeviceAccount::of(name)->cuts(), 0);
 }
-GST_END_TEST;
 
 /// Running time that begins late, or is silenced before the first map, keeps the account, too.
-GST_START_TEST(test_resumed_account_is_on_any_time_line)
+CHECK_TEST(test_resumed_account_is_on_any_time_line)
 {
   DeviceAccount account;
   account.set_limits({});
@@ -240,22 +236,5 @@ GST_START_TEST(test_resumed_account_is_on_any_time_line)
     }
   }
 }
-GST_END_TEST;
 
-static Suite *
-device_account_suite(void)
-{
-  Suite *suite = suite_create("device_account");
-  TCase *cases = tcase_create("general");
-  tcase_add_test(cases, test_limits_hold_whoever_is_late);
-  tcase_add_test(cases, test_nothing_is_cut_of_what_is_in_time);
-  tcase_add_test(cases, test_a_cut_level_rests);
-  tcase_add_test(cases, test_a_cut_level_is_wanted_again);
-  tcase_add_test(cases, test_motors_without_levels);
-  tcase_add_test(cases, test_restarts_get_no_new_account);
-  tcase_add_test(cases, test_resumed_account_is_on_any_time_line);
-  suite_add_tcase(suite, cases);
-  return suite;
-}
-
-GST_CHECK_MAIN(device_account);
+CHECK_MAIN(device_account)

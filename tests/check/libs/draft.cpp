@@ -10,7 +10,7 @@
 #include <optional>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactile;
@@ -35,7 +35,7 @@ ms(int milliseconds)
 
 } // namespace
 
-GST_START_TEST(test_any_order)
+CHECK_TEST(test_any_order)
 {
   visuotactile::Random random(7);
   for (int round = 0; round < 200; round++) {
@@ -65,9 +65,8 @@ GST_START_TEST(test_any_order)
     fail_if(draft.at(ms(kMilliseconds)) != nullptr);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_of_a_track)
+CHECK_TEST(test_of_a_track)
 {
   Track track(1, 2);
   fail_unless(track.append(10ms, map_of(3)).has_value());
@@ -81,9 +80,8 @@ GST_START_TEST(test_of_a_track)
   Track again = whole.track(50ms, 0);
   ck_assert(again == track);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_what_is_unknown_is_silent)
+CHECK_TEST(test_what_is_unknown_is_silent)
 {
   Draft draft(1, 2);
   fail_unless(draft.set(10ms, 20ms, map_of(1)).has_value());
@@ -93,9 +91,8 @@ GST_START_TEST(test_what_is_unknown_is_silent)
   ck_assert(track.at(5ms) == TactileMap(1, 2) && track.at(25ms) == TactileMap(1, 2));
   ck_assert(track.end() == 100ms && track.rate() == 5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refuses)
+CHECK_TEST(test_refuses)
 {
   Draft draft(1, 2);
   fail_unless(draft.set(10ms, 20ms, map_of(1)).has_value());
@@ -106,20 +103,5 @@ GST_START_TEST(test_refuses)
   fail_unless(draft.set(15ms, 5ms, map_of(2)).has_value());
   ck_assert(*draft.at(15ms) == map_of(1) && draft.until(10ms) == 20ms);
 }
-GST_END_TEST;
 
-static Suite *
-draft_suite(void)
-{
-  Suite *suite = suite_create("draft");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_any_order);
-  tcase_add_test(tcase, test_of_a_track);
-  tcase_add_test(tcase, test_what_is_unknown_is_silent);
-  tcase_add_test(tcase, test_refuses);
-  return suite;
-}
-
-GST_CHECK_MAIN(draft);
+CHECK_MAIN(draft)

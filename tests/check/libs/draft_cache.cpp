@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
@@ -66,7 +66,7 @@ track_of(int seconds)
 
 } // namespace
 
-GST_START_TEST(test_known_by_content)
+CHECK_TEST(test_known_by_content)
 {
   const Folder folder;
   const DraftCache cache(folder / "drafts");
@@ -88,10 +88,9 @@ GST_START_TEST(test_known_by_content)
   fail_if(cache.find(film, settings).has_value());
   fail_if(cache.find(folder / "missing.mkv", settings).has_value());
 }
-GST_END_TEST;
 
 /// A film that is still being downloaded is another when it is complete.
-GST_START_TEST(test_a_film_that_changes)
+CHECK_TEST(test_a_film_that_changes)
 {
   const Folder folder;
   const DraftCache cache(folder / "drafts");
@@ -118,9 +117,8 @@ GST_START_TEST(test_a_film_that_changes)
   fail_unless(cache.find(film, {}).has_value());
   ck_assert(!is_kept(std::nullopt));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_settings)
+CHECK_TEST(test_other_settings)
 {
   const Folder folder;
   const DraftCache cache(folder / "drafts");
@@ -132,9 +130,8 @@ GST_START_TEST(test_other_settings)
   fail_if(cache.find(film, { .sound = fusion::find_profile("film") }).has_value());
   fail_unless(cache.find(film, {}).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bounded)
+CHECK_TEST(test_bounded)
 {
   const Folder folder;
   const std::string drafts = folder / "drafts";
@@ -159,9 +156,8 @@ GST_START_TEST(test_bounded)
   fail_unless(cache.find(films[2], {}).has_value());
   ck_assert(fs::exists(drafts + "/notes.txt"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_damaged)
+CHECK_TEST(test_damaged)
 {
   const Folder folder;
   const DraftCache cache(folder / "drafts");
@@ -181,21 +177,5 @@ GST_START_TEST(test_damaged)
   }
   fail_unless(refused);
 }
-GST_END_TEST;
 
-static Suite *
-draft_cache_suite(void)
-{
-  Suite *suite = suite_create("draft_cache");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_known_by_content);
-  tcase_add_test(tcase, test_a_film_that_changes);
-  tcase_add_test(tcase, test_other_settings);
-  tcase_add_test(tcase, test_bounded);
-  tcase_add_test(tcase, test_damaged);
-  return suite;
-}
-
-GST_CHECK_MAIN(draft_cache);
+CHECK_MAIN(draft_cache)

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 
@@ -39,7 +39,7 @@ text_of(tactile::TrackFormat format)
 } // namespace
 
 /// The note is read again, and the track is as it was.
-GST_START_TEST(test_formats)
+CHECK_TEST(test_formats)
 {
   for (const tactile::TrackFormat format : kTelling) {
     const std::string text = tactile::with_draft_note(text_of(format), kMadeWith);
@@ -50,10 +50,9 @@ GST_START_TEST(test_formats)
     fail_unless(read && *read == track(), "%s", read ? "" : read.error().text().c_str());
   }
 }
-GST_END_TEST;
 
 /// A byte before or after the note, or in it, changes the sum.
-GST_START_TEST(test_changes)
+CHECK_TEST(test_changes)
 {
   for (const tactile::TrackFormat format : kTelling) {
     const std::string text = tactile::with_draft_note(text_of(format), kMadeWith);
@@ -67,10 +66,9 @@ GST_START_TEST(test_changes)
     fail_if(tactile::draft_note(text + " ")->is_unchanged);
   }
 }
-GST_END_TEST;
 
 /// A note in place of an older one.
-GST_START_TEST(test_again)
+CHECK_TEST(test_again)
 {
   const std::string text = text_of(tactile::TrackFormat::webvtt);
   const std::string once = tactile::with_draft_note(text, kMadeWith);
@@ -78,10 +76,9 @@ GST_START_TEST(test_again)
       tactile::with_draft_note(tactile::with_draft_note(text, "grid=2x2 other=1"), kMadeWith)
       == once);
 }
-GST_END_TEST;
 
 /// Tracks of before there were notes tell grid and rate; what is no track tells nothing.
-GST_START_TEST(test_others)
+CHECK_TEST(test_others)
 {
   const auto older = tactile::draft_note(text_of(tactile::TrackFormat::webvtt));
   fail_unless(older && !older->is_unchanged);
@@ -94,19 +91,5 @@ GST_START_TEST(test_others)
   fail_unless(tactile::draft_note("grid=")->made_with == "grid=");
   fail_if(tactile::draft_note("grid=1x1 sum=")->is_unchanged);
 }
-GST_END_TEST;
 
-static Suite *
-draft_note_suite()
-{
-  Suite *suite = suite_create("draft_note");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_formats);
-  tcase_add_test(cases, test_changes);
-  tcase_add_test(cases, test_again);
-  tcase_add_test(cases, test_others);
-  return suite;
-}
-
-GST_CHECK_MAIN(draft_note);
+CHECK_MAIN(draft_note)

@@ -10,6 +10,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace tactor;
 
 namespace {
@@ -34,7 +36,7 @@ sampled(const std::function<double(double)> &function, double seconds = 2)
 } // namespace
 
 // The envelope of a tone with slowly changing amplitude is that amplitude.
-GST_START_TEST(envelope_of_a_modulated_tone_is_the_modulation)
+CHECK_TEST(envelope_of_a_modulated_tone_is_the_modulation)
 {
   const auto swell = [](double at) {
     return 1 + 0.5 * wave(3, at);
@@ -44,9 +46,8 @@ GST_START_TEST(envelope_of_a_modulated_tone_is_the_modulation)
   for (std::size_t i = 400; i < 3600; i++)
     fail_unless_near(amplitude[i], swell(static_cast<double>(i) / kRate), 0.005);
 }
-GST_END_TEST
 
-GST_START_TEST(band_pass_keeps_the_band_in_phase_and_nothing_else)
+CHECK_TEST(band_pass_keeps_the_band_in_phase_and_nothing_else)
 {
   const std::vector<double> mixed
       = sampled([](double at) { return 5 + 3 * at + wave(77, at) + wave(5, at) + wave(600, at); });
@@ -54,9 +55,8 @@ GST_START_TEST(band_pass_keeps_the_band_in_phase_and_nothing_else)
   for (std::size_t i = 600; i < 3400; i++)
     fail_unless_near(passed[i], wave(77, static_cast<double>(i) / kRate), 0.05);
 }
-GST_END_TEST
 
-GST_START_TEST(empty_signal_has_no_envelope)
+CHECK_TEST(empty_signal_has_no_envelope)
 {
   fail_unless(envelope({}, kRate, {}).empty());
   fail_unless(band_pass({}, kRate, {}).empty());
@@ -66,18 +66,16 @@ GST_START_TEST(empty_signal_has_no_envelope)
   for (const double amplitude : envelope(silence, kRate, {}))
     fail_unless(amplitude == 0);
 }
-GST_END_TEST
 
-GST_START_TEST(strongest_line_is_found)
+CHECK_TEST(strongest_line_is_found)
 {
   const std::vector<double> tones
       = sampled([](double at) { return wave(77, at) + 0.5 * wave(50, at) + 4 * wave(2, at); });
   fail_unless_near(strongest_frequency(tones, kRate), 77, 0.6);
 }
-GST_END_TEST
 
 // Hum is a little off the mains frequency, and the motor vibrates near it. Only the hum is removed.
-GST_START_TEST(hum_is_taken_out_and_the_motor_is_not)
+CHECK_TEST(hum_is_taken_out_and_the_motor_is_not)
 {
   for (const double mains : { 50.07, 59.9 }) {
     const auto motor = [](double at) {
@@ -96,9 +94,8 @@ GST_START_TEST(hum_is_taken_out_and_the_motor_is_not)
       fail_unless_near(heard[i], motor(static_cast<double>(i) / kRate), 0.02);
   }
 }
-GST_END_TEST
 
-GST_START_TEST(noise_is_no_hum)
+CHECK_TEST(noise_is_no_hum)
 {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;
@@ -107,21 +104,5 @@ GST_START_TEST(noise_is_no_hum)
   fail_unless(remove_mains_hum(heard, std::vector<bool>(heard.size(), true), kRate, 200) == 0);
   fail_unless(heard == before);
 }
-GST_END_TEST
 
-static Suite *
-envelope_suite(void)
-{
-  Suite *suite = suite_create("envelope");
-  TCase *tests = tcase_create("envelope");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, envelope_of_a_modulated_tone_is_the_modulation);
-  tcase_add_test(tests, band_pass_keeps_the_band_in_phase_and_nothing_else);
-  tcase_add_test(tests, empty_signal_has_no_envelope);
-  tcase_add_test(tests, strongest_line_is_found);
-  tcase_add_test(tests, hum_is_taken_out_and_the_motor_is_not);
-  tcase_add_test(tests, noise_is_no_hum);
-  return suite;
-}
-
-GST_CHECK_MAIN(envelope)
+CHECK_MAIN(envelope)

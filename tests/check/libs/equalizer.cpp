@@ -11,6 +11,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using namespace synth;
 
 namespace {
@@ -40,7 +42,7 @@ peak_of(const Wave &wave)
 
 } // namespace
 
-GST_START_TEST(test_sine)
+CHECK_TEST(test_sine)
 {
   const std::vector<EqualizerBand> bands = { { 45, -9, 2 }, { 60, 12, 0.7 }, { 800, 6, 5 } };
   for (const double frequency : { 1.0, 20.0, 45.0, 60.0, 250.0, 800.0, 1000.0 })
@@ -55,9 +57,8 @@ GST_START_TEST(test_sine)
       fail_unless_near(carrier.wave->frequency, frequency, 0);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_each_harmonic)
+CHECK_TEST(test_each_harmonic)
 {
   const EqualizerBand band = { 150, 12, 3 };
   const Equalized plain = equalized(make_wave(Waveform::square, 50), {});
@@ -67,9 +68,8 @@ GST_START_TEST(test_each_harmonic)
                      peaking(band.frequency, band.gain, band.q, 50.0 * h), 2e-3);
   fail_unless_near(harmonic(carrier, 2), 0, 1e-4);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_loop_of_few_samples)
+CHECK_TEST(test_loop_of_few_samples)
 {
   // A sine of 100 Hz in 20 samples of 2 kHz, less than the filter needs. Lines between samples have
   // less of the sine, and overtones far above the band.
@@ -82,9 +82,8 @@ GST_START_TEST(test_loop_of_few_samples)
   const double lines = std::pow(std::sin(std::numbers::pi / 20) / (std::numbers::pi / 20), 2);
   fail_unless_near(harmonic(carrier, 1), 0.5 * lines * std::pow(10, 6.0 / 20), 3e-3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_settled)
+CHECK_TEST(test_settled)
 {
   // A round and the same twice in a round of half the frequency are one sound. So a round begins as
   // it ends, however long the filter rings.
@@ -102,9 +101,8 @@ GST_START_TEST(test_settled)
     fail_unless_near(two.wave->samples[i], one.wave->samples[i % (one.wave->samples.size() - 1)],
                      1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_dip_undoes_peak)
+CHECK_TEST(test_dip_undoes_peak)
 {
   const auto noise = make_wave(Waveform::noise, 60);
   const std::vector<EqualizerBand> bands = { { 70, 12, 8 }, { 70, -12, 8 } };
@@ -115,9 +113,8 @@ GST_START_TEST(test_dip_undoes_peak)
   for (std::size_t i = 0; i < noise->samples.size(); i++)
     fail_unless_near(same.wave->samples[i], noise->samples[i], 1e-5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_without_bands)
+CHECK_TEST(test_without_bands)
 {
   const auto sine = make_wave(Waveform::sine, 60);
   fail_unless(equalized(sine, {}).wave == sine);
@@ -132,22 +129,5 @@ GST_START_TEST(test_without_bands)
   fail_unless_near(silent.peak, 0, 0);
   fail_unless_near(peak_of(*silent.wave), 0, 0);
 }
-GST_END_TEST;
 
-static Suite *
-equalizer_suite(void)
-{
-  Suite *suite = suite_create("equalizer");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_sine);
-  tcase_add_test(tcase, test_each_harmonic);
-  tcase_add_test(tcase, test_loop_of_few_samples);
-  tcase_add_test(tcase, test_settled);
-  tcase_add_test(tcase, test_dip_undoes_peak);
-  tcase_add_test(tcase, test_without_bands);
-  return suite;
-}
-
-GST_CHECK_MAIN(equalizer);
+CHECK_MAIN(equalizer)

@@ -5,10 +5,12 @@
 #include "quality/estimate.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using quality::Estimate;
 using quality::Mean;
 
-GST_START_TEST(test_interval)
+CHECK_TEST(test_interval)
 {
   // 100 coins: the standard error is 0.05, and 95 % are within 1.96 of them.
   std::vector<Mean> coins(100);
@@ -26,9 +28,8 @@ GST_START_TEST(test_interval)
   fail_unless_near(repeated.low, found.low, 1e-12);
   fail_unless_near(repeated.high, found.high, 1e-12);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_few_units)
+CHECK_TEST(test_few_units)
 {
   const std::vector<Mean> units{ {}, { .sum = 1, .count = 4 }, {} };
   const Estimate found = quality::estimate(units);
@@ -39,17 +40,5 @@ GST_START_TEST(test_few_units)
   fail_unless(quality::text({ 1.25, 1, 1.5 }, 2) == "1.25 [1.00 1.50]");
   fail_unless(quality::text({}, 2) == "–");
 }
-GST_END_TEST;
 
-static Suite *
-estimate_suite(void)
-{
-  Suite *suite = suite_create("estimate");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_interval);
-  tcase_add_test(tc, test_few_units);
-  return suite;
-}
-
-GST_CHECK_MAIN(estimate);
+CHECK_MAIN(estimate)

@@ -17,6 +17,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using saliency::EventMap;
 using saliency::LabImage;
 using saliency::Similarity;
@@ -73,16 +75,15 @@ largest(const cv::Mat &map)
 
 } // namespace
 
-GST_START_TEST(test_nothing_changes)
+CHECK_TEST(test_nothing_changes)
 {
   Unexplained unexplained;
   for (const auto &lightness : { even, texture })
     fail_unless_near(largest(unexplained(picture(lightness), picture(lightness), Similarity{})), 0,
                      0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_disc)
+CHECK_TEST(test_disc)
 {
   // A disc of 20 ΔE appears on an even picture: inside, the difference less the noise; outside, 0.
   Unexplained unexplained;
@@ -96,9 +97,8 @@ GST_START_TEST(test_disc)
       else if (!in_disc(x, y, 40, 30, 8))
         fail_unless_near(beyond.at<float>(y, x), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_slow_disc)
+CHECK_TEST(test_slow_disc)
 {
   // A disc alone has all of the picture's texture. It moves by half a sample: an edge of 20 ΔE
   // differs by 10, which its own motion must not explain.
@@ -111,9 +111,8 @@ GST_START_TEST(test_slow_disc)
   fail_unless_near(largest(unexplained(disc_at(40.5), disc_at(40), Similarity{})),
                    10 - 2.5 * std::hypot(0.31, 0.1 * 10), 0.8);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exposure)
+CHECK_TEST(test_exposure)
 {
   // Gain and offset of the whole picture are no event, and a disc in it still is one.
   Unexplained unexplained;
@@ -128,9 +127,8 @@ GST_START_TEST(test_exposure)
     fail_unless(unexplained(disc, picture(texture), Similarity{}).at<float>(20, 60) > 10);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_camera)
+CHECK_TEST(test_camera)
 {
   // What was at (x, y) is at (x - 3, y + 1.5) now. Known, the shift explains all, but for what
   // comes in, which is left out. Unknown by a twentieth of a sample, too.
@@ -145,9 +143,8 @@ GST_START_TEST(test_camera)
       fail_unless_near(beyond.at<float>(y, kWidth - 1), 0, 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grain)
+CHECK_TEST(test_grain)
 {
   // Noise of σ 2 in both pictures, on an even and a textured one; a disc stands out of it.
   std::mt19937 generator(4);
@@ -167,7 +164,6 @@ GST_START_TEST(test_grain)
                 > 10);
   }
 }
-GST_END_TEST;
 
 namespace {
 
@@ -180,7 +176,7 @@ contrast(double value = 0)
 
 } // namespace
 
-GST_START_TEST(test_step)
+CHECK_TEST(test_step)
 {
   // A fifth of the picture becomes lighter by 20: there the energy is 20 less the noise, E. For two
   // frames the picture before is the older one of the lag. Then the onset is held, until the older
@@ -212,9 +208,8 @@ GST_START_TEST(test_step)
   events.reset();
   fail_unless_near(largest(events({ .picture = before, .contrast = still })), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_what_goes_is_no_event)
+CHECK_TEST(test_what_goes_is_no_event)
 {
   // A disc jumps from the left to the right: only where it is now is an event.
   EventMap events;
@@ -234,9 +229,8 @@ GST_START_TEST(test_what_goes_is_no_event)
   fail_unless_at_most(static_cast<double>(map.at<float>(15, 12)),
                       0.05 * static_cast<double>(map.at<float>(15, 37)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_duration)
+CHECK_TEST(test_duration)
 {
   // What moves is felt as long as it moves. What stands is felt for half a second, and no more a
   // second after that: a disc appears, stands for 1.5 s, moves for a second, and stands again.
@@ -265,9 +259,8 @@ GST_START_TEST(test_duration)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_hold_has_conditions)
+CHECK_TEST(test_hold_has_conditions)
 {
   // A disc appears on the left and stays. Ten frames later it is held, before a camera at rest. It
   // is not while another disc moves on the right, nor while the camera pans: then only the mean is
@@ -296,11 +289,10 @@ GST_START_TEST(test_hold_has_conditions)
   // The way of two frames at .4 samples of 100, in 160ths of the width, divides the map.
   fail_unless_at_most(left_after(0.4, false) * (1 + 0.8 * 1.6), held / 2);
 }
-GST_END_TEST;
 
 /// While the camera moves, the map is divided by 1 + its way of two frames, in 160ths of the width;
 /// the energy is not. The pose is exact, so there is no misfit to divide by.
-GST_START_TEST(test_way_of_the_camera)
+CHECK_TEST(test_way_of_the_camera)
 {
   const auto after = [](double pan) {
     EventMap events;
@@ -324,9 +316,8 @@ GST_START_TEST(test_way_of_the_camera)
     fail_unless_near(moved_energy / energy, 1, 0.15);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rebase)
+CHECK_TEST(test_rebase)
 {
   // Another frame of reference gives the same maps.
   EventMap one;
@@ -350,9 +341,8 @@ GST_START_TEST(test_rebase)
   }
   fail_unless(most > 2);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strength)
+CHECK_TEST(test_strength)
 {
   // In a film that is usual, the usual is 1, and strengths are as energies.
   fail_unless_near(Strength().follow(Strength::kUsual, 0), 1, 1e-12);
@@ -376,28 +366,5 @@ GST_START_TEST(test_strength)
   strength.reset();
   fail_unless_near(strength.follow(Strength::kUsual, 0), 1, 1e-12);
 }
-GST_END_TEST;
 
-static Suite *
-events_suite(void)
-{
-  Suite *suite = suite_create("events");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_nothing_changes);
-  tcase_add_test(tc, test_disc);
-  tcase_add_test(tc, test_slow_disc);
-  tcase_add_test(tc, test_exposure);
-  tcase_add_test(tc, test_camera);
-  tcase_add_test(tc, test_grain);
-  tcase_add_test(tc, test_step);
-  tcase_add_test(tc, test_what_goes_is_no_event);
-  tcase_add_test(tc, test_duration);
-  tcase_add_test(tc, test_hold_has_conditions);
-  tcase_add_test(tc, test_way_of_the_camera);
-  tcase_add_test(tc, test_rebase);
-  tcase_add_test(tc, test_strength);
-  return suite;
-}
-
-GST_CHECK_MAIN(events);
+CHECK_MAIN(events)

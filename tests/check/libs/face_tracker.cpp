@@ -3,7 +3,7 @@
 
 #include "support/tolerance.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <array>
 
@@ -25,7 +25,7 @@ middle_x(const FaceTracker::Face &face)
 } // namespace
 
 /// The second hit in a row confirms a face; a miss drops one that is not confirmed.
-GST_START_TEST(test_confirmed_by_two_hits)
+CHECK_TEST(test_confirmed_by_two_hits)
 {
   FaceTracker tracker;
   tracker.update(Boxes{ kBox }, 0);
@@ -51,9 +51,8 @@ GST_START_TEST(test_confirmed_by_two_hits)
     fail_if(tracker.faces()[0].confirmed());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_dropped_after_a_while)
+CHECK_TEST(test_dropped_after_a_while)
 {
   FaceTracker tracker;
   tracker.replace(Boxes{ kBox });
@@ -69,10 +68,9 @@ GST_START_TEST(test_dropped_after_a_while)
   tracker.advance(0.02, {});
   fail_unless(tracker.faces().empty());
 }
-GST_END_TEST;
 
 /// A pan, a zoom, and both moves one after the other.
-GST_START_TEST(test_follows_the_camera)
+CHECK_TEST(test_follows_the_camera)
 {
   const Similarity pan{ 1, 0, 7, -3 };
   const Similarity zoom{ 1.5, 0, -60, -40 };
@@ -87,11 +85,10 @@ GST_START_TEST(test_follows_the_camera)
   fail_unless_near(box.y + box.height / 2, 1.5 * 97 - 40, 1e-9);
   fail_unless(box == people::moved(kBox, zoom * pan));
 }
-GST_END_TEST;
 
 /// A face at constant velocity, found every 0.4 s in a picture of 0.2 s ago, is where it is between
 /// the detections, too; in a camera that pans its own velocity is the rest.
-GST_START_TEST(test_follows_a_moving_face)
+CHECK_TEST(test_follows_a_moving_face)
 {
   for (const double pan : { 0.0, 50.0 }) {
     constexpr double kVelocity = 30;
@@ -112,10 +109,9 @@ GST_START_TEST(test_follows_a_moving_face)
     fail_unless_near(tracker.faces()[0].velocity.x, kVelocity, 1);
   }
 }
-GST_END_TEST;
 
 /// Neighbors keep their boxes, whatever the order of hits.
-GST_START_TEST(test_several_faces)
+CHECK_TEST(test_several_faces)
 {
   const cv::Rect2d right = kBox + cv::Point2d(45, 0);
   FaceTracker tracker;
@@ -130,21 +126,5 @@ GST_START_TEST(test_several_faces)
   fail_unless(tracker.faces()[0].confirmed() && tracker.faces()[1].confirmed());
   fail_if(tracker.faces()[2].confirmed());
 }
-GST_END_TEST;
 
-static Suite *
-face_tracker_suite(void)
-{
-  Suite *suite = suite_create("face_tracker");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_confirmed_by_two_hits);
-  tcase_add_test(tcase, test_dropped_after_a_while);
-  tcase_add_test(tcase, test_follows_the_camera);
-  tcase_add_test(tcase, test_follows_a_moving_face);
-  tcase_add_test(tcase, test_several_faces);
-  return suite;
-}
-
-GST_CHECK_MAIN(face_tracker);
+CHECK_MAIN(face_tracker)

@@ -7,7 +7,7 @@
 
 #include "frame_rate.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -36,7 +36,7 @@ felt(const FeltBlocks &blocks, Time begin)
 
 } // namespace
 
-GST_START_TEST(test_a_track_is_felt_as_its_film)
+CHECK_TEST(test_a_track_is_felt_as_its_film)
 {
   // A track has a map for each block of its film, which lasts to the next one.
   for (const FrameRate &rate :
@@ -63,9 +63,8 @@ GST_START_TEST(test_a_track_is_felt_as_its_film)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frame_block)
+CHECK_TEST(test_frame_block)
 {
   // On the grid alone, what becomes stronger waits for the next block.
   FeltBlocks blocks;
@@ -77,9 +76,8 @@ GST_START_TEST(test_frame_block)
     fail_unless(take(frame, frame < 2 ? 0.1F : 1.0F) == (frame % 6 == 0), "frame %d", frame);
   fail_unless(blocks.level(0) == 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels_out_of_range)
+CHECK_TEST(test_levels_out_of_range)
 {
   // What is as strong as can be does not become stronger.
   FeltBlocks blocks;
@@ -90,9 +88,8 @@ GST_START_TEST(test_levels_out_of_range)
         "frame %d", frame);
   fail_unless(blocks.level(0) == 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_at_once)
+CHECK_TEST(test_at_once)
 {
   // A map of the sound is a block of its own and leaves the grid as it is.
   FeltBlocks blocks;
@@ -107,19 +104,5 @@ GST_START_TEST(test_at_once)
   blocks.silence();
   fail_unless(blocks.level(0) == 0 && take(7, 0.0F));
 }
-GST_END_TEST;
 
-static Suite *
-felt_blocks_suite(void)
-{
-  Suite *suite = suite_create("felt_blocks");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_a_track_is_felt_as_its_film);
-  tcase_add_test(tests, test_frame_block);
-  tcase_add_test(tests, test_levels_out_of_range);
-  tcase_add_test(tests, test_at_once);
-  return suite;
-}
-
-GST_CHECK_MAIN(felt_blocks)
+CHECK_MAIN(felt_blocks)

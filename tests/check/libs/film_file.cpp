@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/formats/film_file.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <numeric>
 #include <random>
@@ -56,18 +56,17 @@ mp4(const std::string &traks)
 
 } // namespace
 
-GST_START_TEST(test_mp4)
+CHECK_TEST(test_mp4)
 {
   const std::string others = trak(7, false, "zxx", "vide") + trak(7, false, "eng", "sbtl");
   std::string file = mp4(others + trak(7, false, "zxx", "sbtl") + trak(15, true, "zxx", "text"));
   fail_unless_equals_uint64(mark(file), 2);
   fail_unless(file == mp4(others + trak(6, false, "zxx", "sbtl") + trak(14, true, "zxx", "text")));
 }
-GST_END_TEST;
 
 // Truncated files and files with random bytes changed. AddressSanitizer and valgrind see accesses
 // beyond them.
-GST_START_TEST(test_damaged)
+CHECK_TEST(test_damaged)
 {
   std::mt19937 random(1);
   const std::string whole = mp4(trak(7, false, "zxx", "sbtl"));
@@ -83,17 +82,5 @@ GST_START_TEST(test_damaged)
     disable_by_default(bytes);
   }
 }
-GST_END_TEST;
 
-static Suite *
-film_file_suite(void)
-{
-  Suite *suite = suite_create("film_file");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_mp4);
-  tcase_add_test(tests, test_damaged);
-  return suite;
-}
-
-GST_CHECK_MAIN(film_file)
+CHECK_MAIN(film_file)

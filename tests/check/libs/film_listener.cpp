@@ -10,6 +10,8 @@
 
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using follow::Time;
 
@@ -27,7 +29,7 @@ estimator()
 
 /// At local time t the sound of film position p has its time stamp; it left the screen `latency`
 /// before. So at t the film is at p + latency · rate.
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   for (const Time latency : { -200ms, 0ms, 200ms })
     for (const double rate : { 1.0, 25.0 / 24 }) {
@@ -46,10 +48,9 @@ GST_START_TEST(test_latency)
       fail_unless_equals_float(estimate->rate, rate);
     }
 }
-GST_END_TEST;
 
 /// Positions in a room vary by 8 ms: none is a leap, and none is doubted.
-GST_START_TEST(test_room)
+CHECK_TEST(test_room)
 {
   auto reports = estimator();
   for (int look = 0; look < 40; look++) {
@@ -64,9 +65,8 @@ GST_START_TEST(test_room)
     fail_unless(estimate && std::chrono::abs(estimate->position - 600s - look * 500ms) <= 10ms);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_retry)
+CHECK_TEST(test_retry)
 {
   Retry retry;
   fail_unless(retry.is_due(0s));
@@ -81,18 +81,5 @@ GST_START_TEST(test_retry)
   retry.failed(now);
   fail_unless(retry.is_due(now + 2s));
 }
-GST_END_TEST;
 
-static Suite *
-film_listener_suite()
-{
-  Suite *suite = suite_create("film_listener");
-  TCase *tcase = tcase_create("general");
-  tcase_add_test(tcase, test_latency);
-  tcase_add_test(tcase, test_room);
-  tcase_add_test(tcase, test_retry);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(film_listener);
+CHECK_MAIN(film_listener)

@@ -10,6 +10,8 @@
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// The URI of a film of a second with sound, which it writes.
@@ -79,7 +81,7 @@ private:
 
 } // namespace
 
-GST_START_TEST(test_result)
+CHECK_TEST(test_result)
 {
   const TemporaryFile film("", ".mkv");
   const FilmProbe probe(make_film(film.path));
@@ -89,10 +91,9 @@ GST_START_TEST(test_result)
   fail_unless(!probe.result()->may_have_track);
   ck_assert_int_eq(probe.result()->duration.value().count() / 1'000'000, 1000);
 }
-GST_END_TEST;
 
 /// The main loop has not heard of them yet when the program ends or another film begins.
-GST_START_TEST(test_ends_while_it_looks)
+CHECK_TEST(test_ends_while_it_looks)
 {
   const TemporaryFile film("", ".mkv");
   const std::string uri = make_film(film.path);
@@ -104,18 +105,5 @@ GST_START_TEST(test_ends_while_it_looks)
   while (g_main_context_iteration(nullptr, FALSE) != FALSE) // nothing of theirs is left
     ;
 }
-GST_END_TEST;
 
-static Suite *
-film_probe_suite(void)
-{
-  Suite *suite = suite_create("film_probe");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_set_timeout(tests, 60);
-  tcase_add_test(tests, test_result);
-  tcase_add_test(tests, test_ends_while_it_looks);
-  return suite;
-}
-
-GST_CHECK_MAIN(film_probe);
+CHECK_MAIN_TIMEOUT(film_probe, 60)

@@ -4,7 +4,7 @@
 // give. tests/tools/film_times.py holds it against players.
 #include "gst/cues/film_start.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using visuotactile::Time;
 
@@ -35,7 +35,7 @@ expect(const FilmStart &start, Time::rep stream, Time::rep running)
 
 /// A transport stream, whose clock begins 740 ms before the picture: the sound is the earliest,
 /// which the demuxer does not know yet when it begins.
-GST_START_TEST(test_clock)
+CHECK_TEST(test_clock)
 {
   FilmStart start;
   expect(start, 0, 0);
@@ -46,10 +46,9 @@ GST_START_TEST(test_clock)
   start.add_first(segment(740, 740), 1500 * kMs); // a second sound
   expect(start, 717, -23);
 }
-GST_END_TEST;
 
 /// A program stream after 100 s, whose clock began .54 s before the picture.
-GST_START_TEST(test_late_clock)
+CHECK_TEST(test_late_clock)
 {
   FilmStart start;
   start.add_segment(segment(100540, 540));
@@ -57,11 +56,10 @@ GST_START_TEST(test_late_clock)
   start.add_first(segment(100540, 540), 100529 * kMs);
   expect(start, 529, -11);
 }
-GST_END_TEST;
 
 /// A Matroska file that begins at ten hours, and an MP4 with an edit of B-frames: GStreamer takes
 /// that away itself.
-GST_START_TEST(test_time_lines)
+CHECK_TEST(test_time_lines)
 {
   FilmStart matroska;
   matroska.add_segment(segment(36'000'000, 0));
@@ -72,10 +70,9 @@ GST_START_TEST(test_time_lines)
   edited.add_first(segment(40, 0), 40 * kMs);
   expect(edited, 0, 0);
 }
-GST_END_TEST;
 
 /// An MP4 with an empty edit of 2 s, which players show.
-GST_START_TEST(test_empty_edit)
+CHECK_TEST(test_empty_edit)
 {
   FilmStart start;
   start.add_segment(segment(0, 0));
@@ -83,10 +80,9 @@ GST_START_TEST(test_empty_edit)
   start.add_first(segment(40, 2000, 2000), 40 * kMs);
   expect(start, 0, 0);
 }
-GST_END_TEST;
 
 /// Segments after a seek count no more, nor do those that are not of time.
-GST_START_TEST(test_later)
+CHECK_TEST(test_later)
 {
   FilmStart start;
   GstSegment bytes;
@@ -98,20 +94,5 @@ GST_START_TEST(test_later)
   start.add_segment(segment(5000, 5000));
   expect(start, 740, 0);
 }
-GST_END_TEST;
 
-static Suite *
-film_start_suite()
-{
-  Suite *suite = suite_create("film_start");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_clock);
-  tcase_add_test(cases, test_late_clock);
-  tcase_add_test(cases, test_time_lines);
-  tcase_add_test(cases, test_empty_edit);
-  tcase_add_test(cases, test_later);
-  return suite;
-}
-
-GST_CHECK_MAIN(film_start);
+CHECK_MAIN(film_start)

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <random>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -130,7 +130,7 @@ duty(double level, int bits = 8)
 
 /// A Mega that DTR resets is silent for 2.1 s. One that keeps running sent its banner long ago.
 /// Both are ready soon after they can answer: 683 bytes take 119 ms.
-GST_START_TEST(test_handshake)
+CHECK_TEST(test_handshake)
 {
   for (const Time boot : { 0ms, 300ms, 2100ms, 4000ms })
     for (const bool banner : { true, false }) {
@@ -152,11 +152,10 @@ GST_START_TEST(test_handshake)
       fail_unless(line.model.is_silent());
     }
 }
-GST_END_TEST;
 
 /// The last host was killed, so motors run. The board has USB of its own and does not reset when it
 /// is opened. Motors stop before the host asks for anything.
-GST_START_TEST(test_motors_left_on)
+CHECK_TEST(test_motors_left_on)
 {
   Line line(kUno);
   line.run_to(1ms);
@@ -167,9 +166,8 @@ GST_START_TEST(test_motors_left_on)
   fail_unless(line.model.is_silent());
   ck_assert_int_eq(line.model.resets, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_time_of_an_update)
+CHECK_TEST(test_time_of_an_update)
 {
   Line mega(kMega);
   mega.connect();
@@ -186,11 +184,10 @@ GST_START_TEST(test_time_of_an_update)
   fail_unless(mega.now == begin + 27 * kByte);
   ck_assert_uint_eq(mega.transfers.back().bytes, 27);
 }
-GST_END_TEST;
 
 /// Latest wins: one transfer carries only the tactors that changed. A write during a transfer only
 /// replaces the target.
-GST_START_TEST(test_latest_wins)
+CHECK_TEST(test_latest_wins)
 {
   Line line(kUno);
   line.connect();
@@ -215,10 +212,9 @@ GST_START_TEST(test_latest_wins)
   line.run_for(20ms);
   ck_assert_uint_eq(line.transfers.size(), transfers + 2);
 }
-GST_END_TEST;
 
 /// 300 on a pin of 8 bits would wrap to 44. NaN counts as zero.
-GST_START_TEST(test_levels_are_clipped)
+CHECK_TEST(test_levels_are_clipped)
 {
   Layout fine = kUno;
   fine.pwm_bits = 12;
@@ -240,12 +236,11 @@ GST_START_TEST(test_levels_are_clipped)
     fail_unless(line.board.resolution() == 1.0 / full);
   }
 }
-GST_END_TEST;
 
 /// Commands of a film, from the planner. Each pin goes through the planned duties in their order:
 /// it may skip some, but gets no others. The last one arrives within two updates: the one in flight
 /// and its own.
-GST_START_TEST(test_planned_commands_arrive)
+CHECK_TEST(test_planned_commands_arrive)
 {
   for (const unsigned seed : { 1u, 2u, 3u }) {
     std::mt19937 random(seed);
@@ -299,10 +294,9 @@ GST_START_TEST(test_planned_commands_arrive)
       ck_assert_int_eq(line.model.duty[pins[i]], planned[i].back());
   }
 }
-GST_END_TEST;
 
 /// A chair whose levels take more than one transfer.
-GST_START_TEST(test_many_pins)
+CHECK_TEST(test_many_pins)
 {
   Layout many{ .name = "many",
                .pins = 128,
@@ -326,10 +320,9 @@ GST_START_TEST(test_many_pins)
   fail_unless(line.model.duty.empty());
   ck_assert_int_eq(line.model.resets, 2);
 }
-GST_END_TEST;
 
 /// Zeros, then a reset, also during a transfer and while the board boots.
-GST_START_TEST(test_close)
+CHECK_TEST(test_close)
 {
   for (const int bytes_before : { 0, 1, 2, 3, 5, 18, 100 }) {
     Line line(kUno);
@@ -355,10 +348,9 @@ GST_START_TEST(test_close)
   fail_unless(line.board.state() == State::closed);
   fail_unless(line.model.received.empty());
 }
-GST_END_TEST;
 
 /// A line that stalls blocks nobody.
-GST_START_TEST(test_stalled_line)
+CHECK_TEST(test_stalled_line)
 {
   Line line(kUno);
   line.connect();
@@ -379,10 +371,9 @@ GST_START_TEST(test_stalled_line)
   closing.run_to(close + 10s, [&] { return closing.board.state() == State::closed; });
   fail_unless(closing.now == close + 250ms);
 }
-GST_END_TEST;
 
 /// The board fails after 5 s. The reason names the last answer that was missing.
-GST_START_TEST(test_board_that_does_not_answer)
+CHECK_TEST(test_board_that_does_not_answer)
 {
   const auto failure = [](Line &line) {
     line.run_to(60s, [&] { return line.board.state() != State::asking; });
@@ -410,10 +401,9 @@ GST_START_TEST(test_board_that_does_not_answer)
   };
   fail_unless(failure(short_replies).find("what its pins can do") != std::string::npos);
 }
-GST_END_TEST;
 
 /// Damage at any byte of a reply costs at most one more question, and no pin is invented.
-GST_START_TEST(test_garbled_reply)
+CHECK_TEST(test_garbled_reply)
 {
   std::mt19937 random(3);
   int garbled = 0;
@@ -431,10 +421,9 @@ GST_START_TEST(test_garbled_reply)
   }
   ck_assert_int_gt(garbled, 200);
 }
-GST_END_TEST;
 
 /// A board that resets itself, by its button or a voltage drop, gets all levels again.
-GST_START_TEST(test_board_resets_itself)
+CHECK_TEST(test_board_resets_itself)
 {
   Line line(kMega, false, 2100ms);
   line.connect();
@@ -449,11 +438,10 @@ GST_START_TEST(test_board_resets_itself)
   ck_assert_int_eq(line.model.duty[3], 179);
   ck_assert_uint_eq(line.board.resets(), 1);
 }
-GST_END_TEST;
 
 /// The thread that sets levels hangs: after 250 ms all motors are off with any firmware. When it
 /// resumes, so do they.
-GST_START_TEST(test_host_falls_silent)
+CHECK_TEST(test_host_falls_silent)
 {
   for (const bool seat : { false, true }) {
     Line line(kUno, seat);
@@ -478,11 +466,10 @@ GST_START_TEST(test_host_falls_silent)
     ck_assert_int_eq(line.model.trips, 0);
   }
 }
-GST_END_TEST;
 
 /// The whole process is killed or stopped: only the watchdog stops the motors. A process that
 /// resumes sends all levels again.
-GST_START_TEST(test_process_is_stopped)
+CHECK_TEST(test_process_is_stopped)
 {
   for (const bool seat : { false, true }) {
     Line line(kUno, seat);
@@ -503,11 +490,10 @@ GST_START_TEST(test_process_is_stopped)
     ck_assert_int_eq(line.model.duty[5], 255);
   }
 }
-GST_END_TEST;
 
 /// Keepalives every 100 ms while a motor is on, none otherwise. The watchdog never trips during a
 /// film, nor in its pauses.
-GST_START_TEST(test_keepalive)
+CHECK_TEST(test_keepalive)
 {
   Line line(kUno, true);
   line.connect();
@@ -536,30 +522,5 @@ GST_START_TEST(test_keepalive)
   }
   ck_assert_int_eq(line.model.trips, 0);
 }
-GST_END_TEST;
 
-static Suite *
-firmata_board_suite(void)
-{
-  Suite *suite = suite_create("firmata_board");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_handshake);
-  tcase_add_test(tests, test_motors_left_on);
-  tcase_add_test(tests, test_time_of_an_update);
-  tcase_add_test(tests, test_latest_wins);
-  tcase_add_test(tests, test_levels_are_clipped);
-  tcase_add_test(tests, test_planned_commands_arrive);
-  tcase_add_test(tests, test_many_pins);
-  tcase_add_test(tests, test_close);
-  tcase_add_test(tests, test_stalled_line);
-  tcase_add_test(tests, test_board_that_does_not_answer);
-  tcase_add_test(tests, test_garbled_reply);
-  tcase_add_test(tests, test_board_resets_itself);
-  tcase_add_test(tests, test_host_falls_silent);
-  tcase_add_test(tests, test_process_is_stopped);
-  tcase_add_test(tests, test_keepalive);
-  return suite;
-}
-
-GST_CHECK_MAIN(firmata_board)
+CHECK_MAIN(firmata_board)

@@ -13,7 +13,9 @@
 #include "firmata_driver_rig.h"
 #include "support/realtime.h"
 
-GST_START_TEST(test_open_write_close)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_open_write_close)
 {
   DriverRig rig;
   rig.sockets.plug(rig.mega);
@@ -52,10 +54,9 @@ GST_START_TEST(test_open_write_close)
   rig.write({ 2.0 });
   rig.expect(rig.mega, { 2.0 });
 }
-GST_END_TEST;
 
 /// Whoever writes the levels goes on for ever: the driver's thread ends them.
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   DriverRig rig;
   rig.sockets.plug(rig.mega);
@@ -77,11 +78,10 @@ GST_START_TEST(test_limits)
   });
   ck_assert_uint_eq(rig.driver.status().cuts, 1);
 }
-GST_END_TEST;
 
 /// The thread that carries levels to the board is real-time where that is permitted, and requests
 /// the same of the port's thread.
-GST_START_TEST(test_realtime)
+CHECK_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
     DriverRig rig;
@@ -96,10 +96,9 @@ GST_START_TEST(test_realtime)
     fail_unless(rig.sockets.locked([&] { return rig.sockets.wants_realtime; }) == wanted);
   }
 }
-GST_END_TEST;
 
 /// The destructor leaves motors at zero, too.
-GST_START_TEST(test_destroyed)
+CHECK_TEST(test_destroyed)
 {
   Sockets sockets;
   MemoryBoard board(device("1", "1-1"), kUno);
@@ -113,11 +112,10 @@ GST_START_TEST(test_destroyed)
   fail_unless(board.model.is_silent());
   fail_if(board.is_open);
 }
-GST_END_TEST;
 
 /// Unplugging gives one warning, and the film goes on. A board that returns resumes the current
 /// levels. It is found by hot-plug events, or by polling where there are none.
-GST_START_TEST(test_unplug_and_replug)
+CHECK_TEST(test_unplug_and_replug)
 {
   for (const bool announces : { true, false }) {
     DriverRig rig(Firmware::any, kEndless, announces ? Time(1h) : Time(2ms));
@@ -149,10 +147,10 @@ GST_START_TEST(test_unplug_and_replug)
     fail_unless(rig.mega.model.is_silent());
   }
 }
-GST_END_TEST;
 
+#ifndef __SANITIZE_THREAD__ // it takes a guardian's start for a fork, after which threads end it
 /// A board that is back without the guardian that it had: the warning comes once more.
-GST_START_TEST(test_guardian_is_missed)
+CHECK_TEST(test_guardian_is_missed)
 {
   DriverRig rig;
   const std::string guardian = rig.folder.file("guardian", "#!/bin/sh\nexec cat\n");
@@ -177,11 +175,11 @@ GST_START_TEST(test_guardian_is_missed)
                                               EventKind::warning, &DriverEvent::kind);
   assert_contains(last.text, { "or the player is killed, as", guardian.c_str(), "No such file" });
 }
-GST_END_TEST;
+#endif
 
 /// Unplugged after any number of bytes, on first opening and on its return. Nothing hangs, and the
 /// board is found again.
-GST_START_TEST(test_unplug_in_each_phase)
+CHECK_TEST(test_unplug_in_each_phase)
 {
   int refused = 0;
   int lost = 0;
@@ -218,10 +216,9 @@ GST_START_TEST(test_unplug_in_each_phase)
       4); // after 1 to 4 bytes at least: a question has 4, and the banner may come first
   ck_assert_int_ge(lost, 15);
 }
-GST_END_TEST;
 
 /// A board that stays plugged in but takes no more bytes is reopened, which resets it.
-GST_START_TEST(test_stalled_board)
+CHECK_TEST(test_stalled_board)
 {
   FirmataPatience patience = kEndless;
   patience.transfer = 250ms;
@@ -244,10 +241,9 @@ GST_START_TEST(test_stalled_board)
   rig.driver.close();
   fail_if(rig.mega.is_open);
 }
-GST_END_TEST;
 
 /// Motors stop when the scheduler hangs.
-GST_START_TEST(test_scheduler_hangs)
+CHECK_TEST(test_scheduler_hangs)
 {
   FirmataPatience patience = kEndless;
   patience.host_silence = 20ms;
@@ -261,10 +257,9 @@ GST_START_TEST(test_scheduler_hangs)
   }
   rig.expect(rig.mega, {});
 }
-GST_END_TEST;
 
 /// Boards come and go during a film while other threads query the driver's status.
-GST_START_TEST(test_many_threads)
+CHECK_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 10; seed++) {
     FirmataPatience patience = kEndless;
@@ -308,27 +303,5 @@ GST_START_TEST(test_many_threads)
     fail_unless(board.model.is_silent());
   }
 }
-GST_END_TEST;
 
-static Suite *
-firmata_driver_suite(void)
-{
-  Suite *suite = suite_create("firmata_driver");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_open_write_close);
-  tcase_add_test(tests, test_limits);
-  tcase_add_test(tests, test_realtime);
-  tcase_add_test(tests, test_destroyed);
-  tcase_add_test(tests, test_unplug_and_replug);
-#ifndef __SANITIZE_THREAD__ // it takes a guardian's start for a fork, after which threads end it
-  tcase_add_test(tests, test_guardian_is_missed);
-#endif
-  tcase_add_test(tests, test_unplug_in_each_phase);
-  tcase_add_test(tests, test_stalled_board);
-  tcase_add_test(tests, test_scheduler_hangs);
-  tcase_add_test(tests, test_many_threads);
-  return suite;
-}
-
-GST_CHECK_MAIN(firmata_driver)
+CHECK_MAIN(firmata_driver)

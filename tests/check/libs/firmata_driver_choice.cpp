@@ -12,7 +12,9 @@
 
 #include "firmata_driver_rig.h"
 
-GST_START_TEST(test_no_board)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_no_board)
 {
   DriverRig rig;
   const DriverError none = rig.refusal();
@@ -36,9 +38,8 @@ GST_START_TEST(test_no_board)
   });
   assert_contains(refusal_of(broken.open({})).text, { "no bus" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silent_board)
+CHECK_TEST(test_silent_board)
 {
   FirmataPatience patience = kEndless;
   patience.answer = 20ms;
@@ -51,10 +52,9 @@ GST_START_TEST(test_silent_board)
   assert_contains(error.text, { "Mega", "7573", "does not answer", "StandardFirmata" });
   fail_if(rig.mega.is_open);
 }
-GST_END_TEST;
 
 /// Opening a board that never answers can be interrupted.
-GST_START_TEST(test_open_is_interrupted)
+CHECK_TEST(test_open_is_interrupted)
 {
   DriverRig rig;
   rig.mega.says_nothing = true;
@@ -72,10 +72,9 @@ GST_START_TEST(test_open_is_interrupted)
   rig.refusal();
   fail_if(rig.mega.is_open);
 }
-GST_END_TEST;
 
 /// Opening a port whose set-up never completes can be interrupted, too.
-GST_START_TEST(test_stopped_while_the_port_is_set_up)
+CHECK_TEST(test_stopped_while_the_port_is_set_up)
 {
   DriverRig rig;
   rig.mega.hangs_on_open = true;
@@ -90,10 +89,9 @@ GST_START_TEST(test_stopped_while_the_port_is_set_up)
   rig.sockets.locked([&] { rig.mega.hangs_on_open = false; });
   rig.open();
 }
-GST_END_TEST;
 
 /// The first usable board is taken, unless a serial number or a socket names one.
-GST_START_TEST(test_two_boards)
+CHECK_TEST(test_two_boards)
 {
   DriverRig rig;
   rig.sockets.plug(rig.uno);
@@ -117,9 +115,8 @@ GST_START_TEST(test_two_boards)
   rig.driver.close();
   assert_contains(rig.refusal().text, { "Uno is refused", "Mega 2560 is refused" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_too_few_pins)
+CHECK_TEST(test_too_few_pins)
 {
   DriverRig rig;
   rig.sockets.plug(rig.uno);
@@ -153,9 +150,8 @@ GST_START_TEST(test_too_few_pins)
   rig.write(std::vector<double>(6, 3.0));
   rig.expect(rig.uno, std::vector<double>(4, 3.0));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_which_board_returns)
+CHECK_TEST(test_which_board_returns)
 {
   DriverRig rig;
   rig.sockets.plug(rig.mega);
@@ -211,7 +207,6 @@ GST_START_TEST(test_which_board_returns)
   rig.sockets.wait([&] { return smaller.opens > 0 && !smaller.is_open; });
   ck_assert_int_eq(rig.count(EventKind::returned), returned);
 }
-GST_END_TEST;
 
 namespace {
 
@@ -251,7 +246,7 @@ struct StrangersRig : DriverRig
 
 /// Whoever made it: the default driver touches no device that has not answered before. It says how
 /// a chair is named once.
-GST_START_TEST(test_strangers)
+CHECK_TEST(test_strangers)
 {
   StrangersRig rig;
   rig.sockets.plug(rig.mega);
@@ -280,10 +275,9 @@ GST_START_TEST(test_strangers)
                     { "is refused; not probed", "Arduino Uno (serial 95, at 1-3)" });
   ck_assert_int_eq(rig.uno.opens, 0);
 }
-GST_END_TEST;
 
 /// A caller that says that there is a board has the only stranger asked, without a reset.
-GST_START_TEST(test_the_only_stranger)
+CHECK_TEST(test_the_only_stranger)
 {
   StrangersRig rig;
   rig.sockets.plug(rig.mega);
@@ -307,10 +301,9 @@ GST_START_TEST(test_the_only_stranger)
   two.sockets.plug(two.uno);
   assert_contains(two.untouched(two.config()), { "Arduino Mega", "Arduino Uno", "one of these" });
 }
-GST_END_TEST;
 
 /// One that did not answer is not asked again until it is named, and no more after that.
-GST_START_TEST(test_refusals_are_remembered)
+CHECK_TEST(test_refusals_are_remembered)
 {
   StrangersRig rig;
   rig.mega.says_nothing = true;
@@ -335,10 +328,9 @@ GST_START_TEST(test_refusals_are_remembered)
   for (int i = 0; i < 2; i++)
     assert_contains(refusal_of(rig.driver.open(rig.careful())).text, { "does not answer" });
 }
-GST_END_TEST;
 
 /// Where nothing can be remembered that is said.
-GST_START_TEST(test_no_memory)
+CHECK_TEST(test_no_memory)
 {
   StrangersRig rig;
   std::filesystem::create_directory(rig.folder.file("boards"));
@@ -348,10 +340,9 @@ GST_START_TEST(test_no_memory)
   assert_contains(rig.text(EventKind::opened), { "cannot be remembered" });
   rig.untouched(rig.careful());
 }
-GST_END_TEST;
 
 /// A board that another program has open is refused as busy.
-GST_START_TEST(test_in_use)
+CHECK_TEST(test_in_use)
 {
   DriverRig rig;
   rig.sockets.plug(rig.mega);
@@ -371,11 +362,10 @@ GST_START_TEST(test_in_use)
   unwrap(rig.driver.open(careful));
   unwrap(rig.driver.open(rig.config()));
 }
-GST_END_TEST;
 
 /// A board that is busy is tried again: the guardian of the last play may be stopping it. Stopping
 /// ends that.
-GST_START_TEST(test_busy_for_a_while)
+CHECK_TEST(test_busy_for_a_while)
 {
   for (const bool stops : { false, true }) {
     DriverRig rig(Firmware::any, kEndless, 1h, {}, 1h);
@@ -393,10 +383,9 @@ GST_START_TEST(test_busy_for_a_while)
     rig.driver.close();
   }
 }
-GST_END_TEST;
 
 /// Releases only boards that a killed player left open: sets their motors to zero and closes them.
-GST_START_TEST(test_release_boards)
+CHECK_TEST(test_release_boards)
 {
   DriverRig rig;
   for (MemoryBoard *board : { &rig.mega, &rig.uno }) {
@@ -427,11 +416,10 @@ GST_START_TEST(test_release_boards)
   fail_if(released[0].refusal);
   ck_assert_int_eq(stranger.opens, 1);
 }
-GST_END_TEST;
 
 /// The film does not move to another chair. Of two boards with equal serial numbers, the driver
 /// waits for the one in the same socket, however it is named.
-GST_START_TEST(test_twin_is_not_taken)
+CHECK_TEST(test_twin_is_not_taken)
 {
   for (const char *name : { "1-2", "", "7573" }) {
     MemoryBoard twin(device("7573", "1-3"), kMega);
@@ -455,10 +443,9 @@ GST_START_TEST(test_twin_is_not_taken)
     rig.expect(rig.mega, { 1.0 });
   }
 }
-GST_END_TEST;
 
 /// A named socket stands for whatever board is in it.
-GST_START_TEST(test_socket_is_named)
+CHECK_TEST(test_socket_is_named)
 {
   MemoryBoard other(device("8", "1-2", "Another Mega"), kMega);
   MemoryBoard elsewhere(device("7573", "1-3"), kMega);
@@ -474,11 +461,10 @@ GST_START_TEST(test_socket_is_named)
   ck_assert_int_eq(elsewhere.opens, 0);
   rig.expect(other, { 1.0 });
 }
-GST_END_TEST;
 
 /// A board that returns but cannot be used is reported once for each reason, while the driver keeps
 /// trying.
-GST_START_TEST(test_refused_when_it_is_back)
+CHECK_TEST(test_refused_when_it_is_back)
 {
   ::Layout small = kMega;
   small.pwm = { 2, 3, 4 };
@@ -522,10 +508,9 @@ GST_START_TEST(test_refused_when_it_is_back)
   ck_assert_int_eq(smaller.opens, 2);
   ck_assert_int_eq(refused(), 3);
 }
-GST_END_TEST;
 
 /// The driver `seat` requires the watchdog, `firmata` uses it if there is one.
-GST_START_TEST(test_seat)
+CHECK_TEST(test_seat)
 {
   FirmataPatience patience = kEndless;
   patience.keepalive = 2ms;
@@ -549,11 +534,10 @@ GST_START_TEST(test_seat)
   any.sockets.wait([&] { return any.seat.model.keepalives > 10; });
   any.expect(any.seat, { 1.0 });
 }
-GST_END_TEST;
 
 /* ---- auto ---- */
 
-GST_START_TEST(test_auto)
+CHECK_TEST(test_auto)
 {
   DriverRig rig;
   auto simulator = std::make_unique<Simulator>();
@@ -616,34 +600,5 @@ GST_START_TEST(test_auto)
   fail_unless(driver.status().board == "simulator");
   assert_contains(rig.text(EventKind::warning), { "simulated", "Uno is refused" });
 }
-GST_END_TEST;
 
-static Suite *
-firmata_driver_choice_suite(void)
-{
-  Suite *suite = suite_create("firmata_driver_choice");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_no_board);
-  tcase_add_test(tests, test_silent_board);
-  tcase_add_test(tests, test_open_is_interrupted);
-  tcase_add_test(tests, test_stopped_while_the_port_is_set_up);
-  tcase_add_test(tests, test_two_boards);
-  tcase_add_test(tests, test_too_few_pins);
-  tcase_add_test(tests, test_which_board_returns);
-  tcase_add_test(tests, test_strangers);
-  tcase_add_test(tests, test_the_only_stranger);
-  tcase_add_test(tests, test_refusals_are_remembered);
-  tcase_add_test(tests, test_no_memory);
-  tcase_add_test(tests, test_in_use);
-  tcase_add_test(tests, test_busy_for_a_while);
-  tcase_add_test(tests, test_release_boards);
-  tcase_add_test(tests, test_twin_is_not_taken);
-  tcase_add_test(tests, test_socket_is_named);
-  tcase_add_test(tests, test_refused_when_it_is_back);
-  tcase_add_test(tests, test_seat);
-  tcase_add_test(tests, test_auto);
-  return suite;
-}
-
-GST_CHECK_MAIN(firmata_driver_choice)
+CHECK_MAIN(firmata_driver_choice)

@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor::firmata;
 
@@ -70,7 +70,7 @@ const Event kFirmwareEvent = FirmwareReport{ 2, 5, "aB" };
 } // namespace
 
 /// Bytes verified with StandardFirmata on an emulated ATmega2560.
-GST_START_TEST(test_bytes_to_the_board)
+CHECK_TEST(test_bytes_to_the_board)
 {
   assert_bytes(Encoder().ask_version(), { 0xf9 });
   assert_bytes(Encoder().ask_firmware(), { 0xf0, 0x79, 0xf7 });
@@ -90,11 +90,10 @@ GST_START_TEST(test_bytes_to_the_board)
     nine.set_value(pin, 255);
   ck_assert_uint_eq(nine.bytes().size(), 27);
 }
-GST_END_TEST;
 
 /// No byte within a message can be taken for the beginning of another, whatever the pin and the
 /// value.
-GST_START_TEST(test_every_pin_and_value)
+CHECK_TEST(test_every_pin_and_value)
 {
   for (int pin = -3; pin < 140; pin++)
     for (const unsigned value : { 0u, 1u, 127u, 128u, 255u, 300u, 16383u, 16384u, ~0u }) {
@@ -106,9 +105,8 @@ GST_START_TEST(test_every_pin_and_value)
         fail_unless(bytes[i] < 0x80);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bytes_from_the_board)
+CHECK_TEST(test_bytes_from_the_board)
 {
   fail_unless(decode(kVersionBytes) == std::vector{ kVersionEvent });
   fail_unless(decode(kFirmwareBytes) == std::vector{ kFirmwareEvent });
@@ -121,11 +119,10 @@ GST_START_TEST(test_bytes_from_the_board)
           .empty());
   ck_assert_uint_eq(damaged, 0);
 }
-GST_END_TEST;
 
 /// A Mega's reply has 683 bytes (measured on an emulated chip). Its PWM pins are those of its data
 /// sheet.
-GST_START_TEST(test_capabilities_of_boards)
+CHECK_TEST(test_capabilities_of_boards)
 {
   const Bytes mega = reply(kMega, { 0xf0, 0x6b, 0xf7 });
   ck_assert_uint_eq(mega.size(), 683);
@@ -142,9 +139,8 @@ GST_START_TEST(test_capabilities_of_boards)
     fail_unless(pwm == layout.pwm);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_split_anywhere)
+CHECK_TEST(test_split_anywhere)
 {
   const Bytes bytes = join({ { 5, 0xf7 },
                              kVersionBytes,
@@ -170,10 +166,9 @@ GST_START_TEST(test_split_anywhere)
   for (std::size_t piece = 1; piece < 64; piece++)
     fail_unless(decode(bytes, piece) == whole);
 }
-GST_END_TEST;
 
 /// After any damage the next whole message is found.
-GST_START_TEST(test_damage)
+CHECK_TEST(test_damage)
 {
   const Bytes damages[] = {
     { 0xf0 },
@@ -202,10 +197,9 @@ GST_START_TEST(test_damage)
       ck_assert_uint_ge(damaged, 1);
     }
 }
-GST_END_TEST;
 
 /// A firmware's name may contain any bytes, and appears in messages on a terminal.
-GST_START_TEST(test_name_of_the_firmware)
+CHECK_TEST(test_name_of_the_firmware)
 {
   const Bytes odd{ 0xf0, 0x79, 2, 5, 'a', 0, 27, 0, 'b', 1, 'c', 0, 0x7f, 0, 0xf7 };
   fail_unless(decode(odd) == only(FirmwareReport{ 2, 5, "a??c?" }));
@@ -216,11 +210,10 @@ GST_START_TEST(test_name_of_the_firmware)
   fail_unless(decode(longest) == only(FirmwareReport{ 2, 5, std::string(64, 'x') }));
   fail_unless(decode({ 0xf0, 0x79, 2, 5, 0xf7 }) == only(FirmwareReport{ 2, 5, "" }));
 }
-GST_END_TEST;
 
 /// Random bytes, of all values and of those that a board uses: sizes stay bounded, and the events
 /// do not depend on how the bytes are split.
-GST_START_TEST(test_noise)
+CHECK_TEST(test_noise)
 {
   std::mt19937 random(7);
   const Bytes likely{ 0xf0, 0xf7, 0xf9, 0x79, 0x6c, 0x6a, 0x6e, 0x7f, 0, 1, 3, 8, 0xe3, 0xff };
@@ -239,23 +232,5 @@ GST_START_TEST(test_noise)
     fail_unless(!after.empty() && after.back() == kFirmwareEvent);
   }
 }
-GST_END_TEST;
 
-static Suite *
-firmata_protocol_suite(void)
-{
-  Suite *suite = suite_create("firmata_protocol");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_bytes_to_the_board);
-  tcase_add_test(tests, test_every_pin_and_value);
-  tcase_add_test(tests, test_bytes_from_the_board);
-  tcase_add_test(tests, test_capabilities_of_boards);
-  tcase_add_test(tests, test_split_anywhere);
-  tcase_add_test(tests, test_damage);
-  tcase_add_test(tests, test_name_of_the_firmware);
-  tcase_add_test(tests, test_noise);
-  return suite;
-}
-
-GST_CHECK_MAIN(firmata_protocol)
+CHECK_MAIN(firmata_protocol)

@@ -12,6 +12,8 @@
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using quality::Fixations;
 
 namespace {
@@ -64,7 +66,7 @@ complaint(const std::filesystem::path &file)
 
 } // namespace
 
-GST_START_TEST(test_closed_forms)
+CHECK_TEST(test_closed_forms)
 {
   // Ones on a quarter of the map: mean 1/4, deviation √3/4.
   cv::Mat map = cv::Mat::zeros(20, 40, CV_32FC1);
@@ -85,9 +87,8 @@ GST_START_TEST(test_closed_forms)
   const Fixations off{ { -3, 5 }, { -1e9, 1e9 } };
   fail_unless_near(quality::nss(map, off), std::sqrt(3.0), 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flat_map)
+CHECK_TEST(test_flat_map)
 {
   const cv::Mat map(20, 40, CV_32FC1, cv::Scalar(0.3));
   const Fixations fixations{ { 1, 1 }, { 7, 9 } };
@@ -98,9 +99,8 @@ GST_START_TEST(test_flat_map)
                    0, 0);
   fail_unless_near(quality::auc_judd(cv::Mat::ones(1, 1, CV_32FC1), fixations), 0.5, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   std::mt19937 generator(5);
   for (const auto &[width, height, values] :
@@ -152,9 +152,8 @@ GST_START_TEST(test_brute_force)
                      covariance / std::sqrt(variance * other_variance), 1e-6);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_density)
+CHECK_TEST(test_density)
 {
   // Two fixations in one sample: a Gaussian of volume 2 about its center.
   const Fixations fixations{ { 30.2, 20.9 }, { 30.9, 20.1 } };
@@ -165,9 +164,8 @@ GST_START_TEST(test_density)
     fail_unless_near(density.at<float>(20 + dy, 30 + dx),
                      peak * std::exp(-(dx * dx + dy * dy) / 18.0), 1e-4 * peak);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reading)
+CHECK_TEST(test_reading)
 {
   const TemporaryFile file("image,subject,x,y\r\n1001.jpg,0,0,600\n1003.jpg,0,12.5,7\n"
                            "1001.jpg,14,800,1e2\n");
@@ -177,9 +175,8 @@ GST_START_TEST(test_reading)
   fail_unless(fixations.at("1001.jpg").at("14") == Fixations({ { 800, 100 } }));
   fail_unless(fixations.at("1003.jpg").at("0") == Fixations({ { 12.5, 7 } }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unreadable)
+CHECK_TEST(test_unreadable)
 {
   // Errors name the line.
   const struct
@@ -216,21 +213,5 @@ GST_START_TEST(test_unreadable)
   std::filesystem::resize_file(large.path, (64U << 20U) + 1);
   fail_unless(complaint(large.path).find("64 MiB") != std::string::npos);
 }
-GST_END_TEST;
 
-static Suite *
-fixations_suite(void)
-{
-  Suite *suite = suite_create("fixations");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_closed_forms);
-  tcase_add_test(tc, test_flat_map);
-  tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_density);
-  tcase_add_test(tc, test_reading);
-  tcase_add_test(tc, test_unreadable);
-  return suite;
-}
-
-GST_CHECK_MAIN(fixations);
+CHECK_MAIN(fixations)

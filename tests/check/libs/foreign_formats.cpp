@@ -14,6 +14,8 @@
 #include "foreign_samples.h"
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
@@ -73,7 +75,7 @@ path(const std::string &points, const char *playback = "NONE")
 
 } // namespace
 
-GST_START_TEST(test_what_is_written_is_read)
+CHECK_TEST(test_what_is_written_is_read)
 {
   for (unsigned seed = 0; seed < 8; seed++) {
     const Track track = random_track(seed, 1ms, 100);
@@ -87,9 +89,8 @@ GST_START_TEST(test_what_is_written_is_read)
     fail_unless(ended == expected, "seed %u", seed);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_texts)
+CHECK_TEST(test_texts)
 {
   const Track track = two_tactors(2s);
   const std::string text = write_haptic(track);
@@ -115,9 +116,8 @@ GST_START_TEST(test_texts)
               != std::string::npos);
   fail_unless(read(events, TrackFormat::ahap) == lasting);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_haptic)
+CHECK_TEST(test_haptic)
 {
   Ignored ignored;
   const Track track
@@ -152,7 +152,6 @@ GST_START_TEST(test_haptic)
             "100 hours");
   complains(R"({"version":{"major":2},"signals":{}})", "version", "version 1");
 }
-GST_END_TEST;
 
 /// A project that was last open at the clip "b".
 std::string
@@ -170,7 +169,7 @@ hasp_clip(const char *id, const char *name, const char *amplitude)
          + "}";
 }
 
-GST_START_TEST(test_hasp)
+CHECK_TEST(test_hasp)
 {
   const std::string kick = hasp_clip("a", "kick", "0.25");
   const std::string hum = hasp_clip("b", "hum", "0.75");
@@ -204,9 +203,8 @@ GST_START_TEST(test_hasp)
   complains(hasp(R"({"clipId":"a","name":"kick"})"), "clip 'kick'", "expected an object");
   complains(hasp(hasp_clip("a", "kick", "2")), "clip 'kick'", "from 0 to 1");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ahap)
+CHECK_TEST(test_ahap)
 {
   constexpr const char *kHalf = R"({"ParameterID":"HapticIntensity","ParameterValue":0.5})";
   Ignored ignored;
@@ -254,9 +252,8 @@ GST_START_TEST(test_ahap)
       read_track(ahap(continuous(R"("Time":1e9,"EventDuration":1)")), TrackFormat::ahap),
       "Pattern[0].Event", "100 hours");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_funscript_keeps)
+CHECK_TEST(test_funscript_keeps)
 {
   const std::string text
       = R"({"inverted":true,"metadata":{"title":"a"},"rawActions":[1],"axes":[)"
@@ -271,9 +268,8 @@ GST_START_TEST(test_funscript_keeps)
                             R"("inverted":true)", R"({"id":"R0","actions":[{"at":6,"pos":20}]})" })
     fail_unless(with->find(kept) != std::string::npos, "%s", with->c_str());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_commas_at_the_end)
+CHECK_TEST(test_commas_at_the_end)
 {
   // As in Apple's samples for Unity.
   const Track track = read(R"({"Metadata":{"Project":",]",},"Pattern":[)"
@@ -283,9 +279,8 @@ GST_START_TEST(test_commas_at_the_end)
   fail_unless(track.end() == 30ms);
   fail_if(read_track("[,]", TrackFormat::ahap).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_funscript)
+CHECK_TEST(test_funscript)
 {
   // Unordered, fractional, inverted, out of range; other tools' members.
   const Track track
@@ -336,10 +331,9 @@ GST_START_TEST(test_funscript)
   ASSERT_COMPLAINT(read_track(R"({"actions":[{"at":1}]})", TrackFormat::funscript), "actions[0]",
                    "'pos'");
 }
-GST_END_TEST;
 
 /// As many axes as a document may have, each a vibration.
-GST_START_TEST(test_funscript_axes)
+CHECK_TEST(test_funscript_axes)
 {
   std::string axes = R"({"id":"V0","actions":[{"at":0,"pos":50},{"at":10,"pos":50}]})";
   for (int i = 0; i < 17; i++)
@@ -348,9 +342,8 @@ GST_START_TEST(test_funscript_axes)
   ASSERT_LEVEL(read(R"({"axes":[)" + axes + "]}", TrackFormat::funscript, &ignored), 5ms, 0.5);
   fail_unless(ignored == Ignored{ "the other axes" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tact_dots)
+CHECK_TEST(test_tact_dots)
 {
   const Track track = read(tact(dots(R"({"index":7,"intensity":0.5},{"index":19,"intensity":1})")),
                            TrackFormat::tact);
@@ -359,9 +352,8 @@ GST_START_TEST(test_tact_dots)
        { std::tuple(99ms, 7, 0.0), { 100ms, 7, 0.5 }, { 299ms, 7, 0.5 }, { 300ms, 7, 0.0 } })
     fail_unless_equals_float(level(track, at, cell), expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tact_fades)
+CHECK_TEST(test_tact_fades)
 {
   // From 100 to 300 ms; steps of 20 ms have the slope's level in their middle.
   const auto at = [](const char *playback, int step) {
@@ -375,9 +367,8 @@ GST_START_TEST(test_tact_fades)
     fail_unless(std::abs(at("FADE_IN_OUT", i) - (1 - std::abs(2 * middle - 1))) < 1e-6, "%d", i);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tact_paths)
+CHECK_TEST(test_tact_paths)
 {
   // From the top left to the top right in 300 ms: three columns, so a motor each 100 ms.
   const Track track = read(tact(path(R"({"x":"0.000","y":"0","intensity":"0.8","time":0},)"
@@ -399,10 +390,9 @@ GST_START_TEST(test_tact_paths)
     fail_unless_equals_float(level(point, 499ms, cell), 0.25);
   fail_unless(point.end() == 500ms);
 }
-GST_END_TEST;
 
 /// A path that is not felt takes time, too.
-GST_START_TEST(test_tact_silent_paths)
+CHECK_TEST(test_tact_silent_paths)
 {
   std::string text = tact(path(R"({"x":0,"y":0,"intensity":0,"time":0},)"
                                R"({"x":1,"y":0,"intensity":0,"time":300000000})"));
@@ -411,9 +401,8 @@ GST_START_TEST(test_tact_silent_paths)
                    "project.tracks[0].effects[0].modes.VestBack.pathMode.feedback[0]",
                    "more changes than a track can have");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tact_devices)
+CHECK_TEST(test_tact_devices)
 {
   const std::string dot = dots(R"({"index":0,"intensity":0.25})");
   ASSERT_COMPLAINT(read_track(tact(dot, "ForearmL"), TrackFormat::tact), "project", "ForearmL");
@@ -436,9 +425,8 @@ GST_START_TEST(test_tact_devices)
     many += "," + many;
   ASSERT_COMPLAINT(read_track(tact(dots(many)), TrackFormat::tact), "", "effects at a time");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_formats_by_content)
+CHECK_TEST(test_formats_by_content)
 {
   const auto found = [](const std::string &text) {
     const TemporaryFile named(text);
@@ -463,30 +451,5 @@ GST_START_TEST(test_formats_by_content)
   ASSERT_COMPLAINT(written_format("film.tact"), "'film.tact'", ".haptic, .ahap or .funscript");
   fail_unless(track_format("film.tact") == TrackFormat::tact);
 }
-GST_END_TEST;
 
-static Suite *
-foreign_formats_suite(void)
-{
-  Suite *suite = suite_create("foreign_formats");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_what_is_written_is_read);
-  tcase_add_test(tests, test_texts);
-  tcase_add_test(tests, test_haptic);
-  tcase_add_test(tests, test_hasp);
-  tcase_add_test(tests, test_ahap);
-  tcase_add_test(tests, test_funscript_keeps);
-  tcase_add_test(tests, test_commas_at_the_end);
-  tcase_add_test(tests, test_funscript);
-  tcase_add_test(tests, test_funscript_axes);
-  tcase_add_test(tests, test_tact_dots);
-  tcase_add_test(tests, test_tact_fades);
-  tcase_add_test(tests, test_tact_paths);
-  tcase_add_test(tests, test_tact_silent_paths);
-  tcase_add_test(tests, test_tact_devices);
-  tcase_add_test(tests, test_formats_by_content);
-  return suite;
-}
-
-GST_CHECK_MAIN(foreign_formats)
+CHECK_MAIN(foreign_formats)

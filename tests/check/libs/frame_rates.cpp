@@ -18,6 +18,8 @@
 #include "support/tolerance.h"
 #include "tactile/tactile_mapping.h"
 
+#include "support/check_tests.h"
+
 using quality::LabeledFilm;
 using quality::Time;
 
@@ -265,7 +267,7 @@ const std::array kCases{
 /// At any rate an event's first frame comes up to one frame late, and windows end with a frame. So
 /// two tracks may be shifted by one frame of each. `outside` counts levels that no such shift
 /// explains.
-GST_START_TEST(test_rates)
+CHECK_LOOP_TEST(test_rates, 0, kCases.size())
 {
   struct Rate
   {
@@ -302,16 +304,5 @@ GST_START_TEST(test_rates)
         std::max(std::chrono::duration<double>(track.longest_frame()).count(), film.onset));
   }
 }
-GST_END_TEST;
 
-static Suite *
-frame_rates_suite()
-{
-  Suite *suite = suite_create("frame rates");
-  TCase *tc = tcase_create("rates");
-  tcase_add_loop_test(tc, test_rates, 0, static_cast<int>(kCases.size()));
-  suite_add_tcase(suite, tc);
-  return suite;
-}
-
-GST_CHECK_MAIN(frame_rates);
+CHECK_MAIN(frame_rates)

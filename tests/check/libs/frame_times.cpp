@@ -5,7 +5,7 @@
 
 #include <initializer_list>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -87,15 +87,14 @@ private:
 } // namespace
 
 /// Of an animation, each frame with another duration, all at 0.
-GST_START_TEST(test_all_at_zero)
+CHECK_TEST(test_all_at_zero)
 {
   Stream stream("video/x-raw");
   stream.expect({ { 0, 100, 0 }, { 0, 30, 100 }, { 0, 500, 130 }, { 0, 100, 630 } });
 }
-GST_END_TEST;
 
 /// Frames without a time, by their duration or the frame rate; times that come count again.
-GST_START_TEST(test_without_times)
+CHECK_TEST(test_without_times)
 {
   Stream stream("video/x-raw,framerate=25/1");
   stream.expect({ { 1000, kNone, 1000 },
@@ -107,28 +106,14 @@ GST_START_TEST(test_without_times)
   Stream unknown("video/x-raw");
   unknown.expect({ { kNone, kNone, kNone }, { 5, kNone, 5 }, { 5, kNone, 5 } });
 }
-GST_END_TEST;
 
 /// After a seek to the same frame it has its time again.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Stream stream("video/x-raw");
   stream.expect({ { 200, 40, 200 } });
   stream.begin();
   stream.expect({ { 200, 40, 200 }, { 240, 40, 240 } });
 }
-GST_END_TEST;
 
-static Suite *
-frame_times_suite()
-{
-  Suite *suite = suite_create("frame_times");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_all_at_zero);
-  tcase_add_test(cases, test_without_times);
-  tcase_add_test(cases, test_seek);
-  return suite;
-}
-
-GST_CHECK_MAIN(frame_times);
+CHECK_MAIN(frame_times)

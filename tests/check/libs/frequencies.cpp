@@ -10,10 +10,12 @@
 
 #include "foreign_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_sharpness)
+CHECK_TEST(test_sharpness)
 {
   const auto sharp = [](const char *value) {
     return std::string(R"({"ParameterID":"HapticSharpness","ParameterValue":)") + value + "}";
@@ -38,7 +40,6 @@ GST_START_TEST(test_sharpness)
   fail_if(has_frequency(read(
       ahap(continuous(R"("Time":0,"EventDuration":1)", sharp("0.0").c_str())), TrackFormat::ahap)));
 }
-GST_END_TEST;
 
 namespace {
 
@@ -61,7 +62,7 @@ tuned_track()
 
 } // namespace
 
-GST_START_TEST(test_frequencies_survive)
+CHECK_TEST(test_frequencies_survive)
 {
   const Track track = tuned_track();
   for (const TrackFormat format : { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif })
@@ -76,18 +77,16 @@ GST_START_TEST(test_frequencies_survive)
   for (const TrackFormat format : { TrackFormat::sem, TrackFormat::funscript })
     fail_if(has_frequency(read(write_track(track, format, ""), format)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_differences)
+CHECK_TEST(test_differences)
 {
   const Track track = tune(tuned_track(), 120.4F);
   fail_unless(diff(track, tune(track, 120))->size() == 3);
   fail_unless(diff(track, tune(track, 120), 0.005F)->empty()); // as whole numbers
   fail_unless(diff(track, tune(track, 121), 0.005F)->size() == 3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_texts_of_frequencies)
+CHECK_TEST(test_texts_of_frequencies)
 {
   const Track track = tuned_track();
   const std::string text = write_track(track, TrackFormat::webvtt, "");
@@ -112,7 +111,6 @@ GST_START_TEST(test_texts_of_frequencies)
       read_track("WEBVTT\n\n00:00.000 --> 00:01.000\n1 2\n2000 Hz\n", TrackFormat::webvtt), "line",
       "1 to 1000 Hz");
 }
-GST_END_TEST;
 
 namespace {
 
@@ -142,7 +140,7 @@ wave(double from, double to)
 } // namespace
 
 /// Frequencies that a map cannot have are bounded or left out, and told.
-GST_START_TEST(test_hjif_of_others)
+CHECK_TEST(test_hjif_of_others)
 {
   const auto expect = [](const std::string &text, double frequency, std::size_t losses) {
     std::vector<std::string> ignored;
@@ -162,10 +160,9 @@ GST_START_TEST(test_hjif_of_others)
   expect(hjif({ wave(120, 120), wave(80, 80) }), 80, 1);
   expect(hjif({ wave(100, 300), wave(100, 300) }), 202, 0); // the middle of a step of 20 ms
 }
-GST_END_TEST;
 
 /// MPEG's reference software reads whole numbers only, and plays others as 0 Hz.
-GST_START_TEST(test_hjif_has_whole_frequencies)
+CHECK_TEST(test_hjif_has_whole_frequencies)
 {
   const Track track = tune(tuned_track(), 120.4F);
   const std::string text = write_track(track, TrackFormat::hjif, "");
@@ -173,9 +170,8 @@ GST_START_TEST(test_hjif_has_whole_frequencies)
               text.c_str());
   fail_unless(read(text, TrackFormat::hjif) == tune(track, 120));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_overlapping_sharpness)
+CHECK_TEST(test_overlapping_sharpness)
 {
   const auto event = [](const char *time, const char *sharpness) {
     return std::string(
@@ -191,22 +187,5 @@ GST_START_TEST(test_overlapping_sharpness)
     fail_unless_equals_int(ignored.size(), losses);
   }
 }
-GST_END_TEST;
 
-static Suite *
-frequencies_suite(void)
-{
-  Suite *suite = suite_create("frequencies");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_sharpness);
-  tcase_add_test(tests, test_frequencies_survive);
-  tcase_add_test(tests, test_differences);
-  tcase_add_test(tests, test_texts_of_frequencies);
-  tcase_add_test(tests, test_hjif_of_others);
-  tcase_add_test(tests, test_hjif_has_whole_frequencies);
-  tcase_add_test(tests, test_overlapping_sharpness);
-  return suite;
-}
-
-GST_CHECK_MAIN(frequencies)
+CHECK_MAIN(frequencies)

@@ -13,6 +13,8 @@
 #include <random>
 #include <set>
 
+#include "support/check_tests.h"
+
 using saliency::ColorModel;
 using saliency::Component;
 using saliency::FixedLabImage;
@@ -201,7 +203,7 @@ refuses(const FrameView &view)
 
 } // namespace
 
-GST_START_TEST(test_layouts)
+CHECK_LOOP_TEST(test_layouts, 0, std::size(kLayouts))
 {
   const Layout &layout = kLayouts[__i__];
   unsigned seed = 1;
@@ -226,7 +228,6 @@ GST_START_TEST(test_layouts)
                       height, level, converted, e);
         }
 }
-GST_END_TEST;
 
 static FixedLabImage
 clone(const FixedLabImage &image)
@@ -247,7 +248,7 @@ same(const FixedLabImage &a, const FixedLabImage &b)
   return true;
 }
 
-GST_START_TEST(test_large_frame)
+CHECK_TEST(test_large_frame)
 {
   for (const int layout : { 0, 10, 13 }) {
     const Frame frame(kLayouts[layout], 800, 760, false, 11);
@@ -261,9 +262,8 @@ GST_START_TEST(test_large_frame)
       }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_decimation_level)
+CHECK_TEST(test_decimation_level)
 {
   // A frame is decimated first, to the finest level that is small enough.
   const auto level = saliency::decimation_level;
@@ -283,9 +283,8 @@ GST_START_TEST(test_decimation_level)
   ck_assert_int_eq(level({ 4000, 600 }, 3), 2);
   ck_assert_int_eq(level({ 4001, 600 }, 3), 3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_targets)
+CHECK_LOOP_TEST(test_targets, 0, std::size(kLayouts))
 {
   // Results are bit-identical with all instruction sets of this CPU.
   const Layout &layout = kLayouts[__i__];
@@ -305,9 +304,8 @@ GST_START_TEST(test_targets)
         }
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_threads)
+CHECK_LOOP_TEST(test_threads, 0, std::size(kLayouts))
 {
   // Bit-identical for any number of threads, also with more threads than rows, frame after frame.
   const Layout &layout = kLayouts[__i__];
@@ -326,9 +324,8 @@ GST_START_TEST(test_threads)
           }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rows_of_pages)
+CHECK_LOOP_TEST(test_rows_of_pages, 0, std::size(kLayouts))
 {
   // Prefetching must not read beyond the frame: a sanitizer sees it.
   const Layout &layout = kLayouts[__i__];
@@ -342,9 +339,8 @@ GST_START_TEST(test_rows_of_pages)
       fail_unless(same(shared.lab(frame.view, 3, 3), wide), "%s", layout.name);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reuse)
+CHECK_TEST(test_reuse)
 {
   // One front end that changes from each format and size to each other one: nothing of an earlier
   // frame remains.
@@ -365,9 +361,8 @@ GST_START_TEST(test_reuse)
       }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_decimating_first_is_close)
+CHECK_TEST(test_decimating_first_is_close)
 {
   // A picture without noise: a sum of waves, saturated in places.
   Frame frame(kLayouts[8], 200, 160, false, 5);
@@ -389,9 +384,8 @@ GST_START_TEST(test_decimating_first_is_close)
                         a[2].at<float>(y, x) - b[2].at<float>(y, x));
   fail_unless_at_most(sum / static_cast<double>(a[0].total()), 0.3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_invalid_frames)
+CHECK_TEST(test_invalid_frames)
 {
   const Frame frame(kLayouts[0], 8, 6, false, 1);
   const auto with = [&](auto change) {
@@ -421,24 +415,5 @@ GST_START_TEST(test_invalid_frames)
     v.components[1] = v.components[2] = {};
   })));
 }
-GST_END_TEST;
 
-static Suite *
-front_end_suite(void)
-{
-  Suite *suite = suite_create("front_end");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_loop_test(tc, test_layouts, 0, static_cast<int>(std::size(kLayouts)));
-  tcase_add_loop_test(tc, test_targets, 0, static_cast<int>(std::size(kLayouts)));
-  tcase_add_loop_test(tc, test_threads, 0, static_cast<int>(std::size(kLayouts)));
-  tcase_add_loop_test(tc, test_rows_of_pages, 0, static_cast<int>(std::size(kLayouts)));
-  tcase_add_test(tc, test_large_frame);
-  tcase_add_test(tc, test_decimation_level);
-  tcase_add_test(tc, test_reuse);
-  tcase_add_test(tc, test_decimating_first_is_close);
-  tcase_add_test(tc, test_invalid_frames);
-  return suite;
-}
-
-GST_CHECK_MAIN(front_end);
+CHECK_MAIN(front_end)

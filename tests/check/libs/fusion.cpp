@@ -7,7 +7,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using fusion::Fusion;
 using fusion::SoundMap;
@@ -29,7 +29,7 @@ map_of(std::initializer_list<float> levels)
 } // namespace
 
 // What is seen stays where it is, and is as strong as what is heard.
-GST_START_TEST(test_mixes)
+CHECK_TEST(test_mixes)
 {
   const auto mixed = [](TactileMap picture, TactileMap sound, Mix mix) {
     return Fusion().mix(0ms, 40ms, picture, sound, mix);
@@ -45,10 +45,9 @@ GST_START_TEST(test_mixes)
   fail_unless(mixed(seen, map_of({ 1 }), Mix::max) == map_of({ 1, 1 })); // another grid
   fail_unless(mixed(seen, {}, Mix::accent) == seen);                     // silence without cells
 }
-GST_END_TEST;
 
 // An impact is felt where its picture was up to 250 ms before, or will be.
-GST_START_TEST(test_one_place)
+CHECK_TEST(test_one_place)
 {
   const TactileMap none = map_of({ 0, 0 });
   const TactileMap left = map_of({ 0.5F, 0 });
@@ -67,9 +66,8 @@ GST_START_TEST(test_one_place)
     fail_unless(fusion.mix(480ms, 520ms, none, right, mix) == unseen);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pieces)
+CHECK_TEST(test_pieces)
 {
   const auto at = [](int begin, int end, float level) {
     return SoundMap{ std::chrono::milliseconds(begin), std::chrono::milliseconds(end),
@@ -96,9 +94,8 @@ GST_START_TEST(test_pieces)
   const auto moment = fusion::pieces(7ms, 7ms, std::span(roll).first(1));
   fail_unless(moment.front().map == map_of({ 0.5F }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sound_maps)
+CHECK_TEST(test_sound_maps)
 {
   SoundMaps maps;
   const auto add = [&](int begin, int end, float level) {
@@ -130,10 +127,9 @@ GST_START_TEST(test_sound_maps)
   fail_unless(maps.hear(&maps, false));
   fail_unless(maps.between(0ms, 2000ms).empty());
 }
-GST_END_TEST;
 
 // Of two that hear, none speaks for the other.
-GST_START_TEST(test_two_sounds)
+CHECK_TEST(test_two_sounds)
 {
   SoundMaps maps;
   const int who[2] = {};
@@ -155,10 +151,9 @@ GST_START_TEST(test_two_sounds)
   fail_unless(maps.is_heard() && maps.between(0ms, 100ms).empty());
   fail_unless(maps.hear(&who[0], false) && !maps.is_heard());
 }
-GST_END_TEST;
 
 // Who feels the sound says how; the last one counts.
-GST_START_TEST(test_wanted)
+CHECK_TEST(test_wanted)
 {
   SoundMaps maps;
   const int readers[2] = {};
@@ -181,21 +176,5 @@ GST_START_TEST(test_wanted)
   const std::set<std::string> expected{ "film", "music", "dialogue-heavy", "bass-shaker" };
   fail_unless(names == expected);
 }
-GST_END_TEST;
 
-static Suite *
-fusion_suite(void)
-{
-  Suite *suite = suite_create("fusion");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_mixes);
-  tcase_add_test(cases, test_one_place);
-  tcase_add_test(cases, test_pieces);
-  tcase_add_test(cases, test_sound_maps);
-  tcase_add_test(cases, test_two_sounds);
-  tcase_add_test(cases, test_wanted);
-  return suite;
-}
-
-GST_CHECK_MAIN(fusion);
+CHECK_MAIN(fusion)

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -176,7 +176,7 @@ assert_has(const std::string &text, const std::string &part)
 } // namespace
 
 /// Whoever writes the levels goes on for ever: the driver's thread ends them.
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   Rig rig;
   DriverConfig config = rig.config();
@@ -192,9 +192,8 @@ GST_START_TEST(test_limits)
   rig.wait_for_levels({});
   ck_assert_uint_eq(rig.driver.status().cuts, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   Rig rig;
   rig.room.motors = 4;
@@ -216,10 +215,9 @@ GST_START_TEST(test_levels)
     fail_unless(rig.room.durations[i] == 250ms);
   fail_unless(rig.driver.refresh_interval() < 250ms);
 }
-GST_END_TEST;
 
 /// Tactors beyond max_tactors are left alone.
-GST_START_TEST(test_fewer_tactors)
+CHECK_TEST(test_fewer_tactors)
 {
   Rig rig;
   DriverConfig config = rig.config();
@@ -230,9 +228,8 @@ GST_START_TEST(test_fewer_tactors)
   unwrap(rig.driver.write(std::array{ 3.0, 3.0 }, 0s));
   rig.wait_for_levels({ 1, 0, 0, 0 });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_zero_on_ways_out)
+CHECK_TEST(test_zero_on_ways_out)
 {
   for (const bool closes : { true, false }) {
     Rig rig;
@@ -249,10 +246,9 @@ GST_START_TEST(test_zero_on_ways_out)
     fail_unless(rig.room.open == 0);
   }
 }
-GST_END_TEST;
 
 /// A child process plays until SIGTERM. Its last rumble is zero.
-GST_START_TEST(test_zero_on_signal)
+CHECK_TEST(test_zero_on_signal)
 {
   std::array<int, 2> ends{};
   fail_unless(pipe(ends.data()) == 0);
@@ -279,9 +275,8 @@ GST_START_TEST(test_zero_on_signal)
   fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
   ck_assert_int_eq(last, '0');
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_gamepad)
+CHECK_TEST(test_no_gamepad)
 {
   Rig rig;
   rig.plug({});
@@ -290,9 +285,8 @@ GST_START_TEST(test_no_gamepad)
   assert_has(error.text, "expected a gamepad, found none");
   assert_has(error.text, "plug one in");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_several)
+CHECK_TEST(test_several)
 {
   Rig rig;
   rig.plug({ kXbox, kOther });
@@ -315,9 +309,8 @@ GST_START_TEST(test_several)
   assert_has(rig.driver.status().board, kOther.name);
   fail_unless(rig.refusal(taken.name).kind == Kind::busy);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unsuitable)
+CHECK_TEST(test_unsuitable)
 {
   Rig rig;
   const DriverError few = rig.refusal("", 3);
@@ -332,10 +325,9 @@ GST_START_TEST(test_unsuitable)
   fail_unless(error.kind == Kind::permission);
   assert_has(error.text, "group 'input'");
 }
-GST_END_TEST;
 
 /// The levels are those written meanwhile.
-GST_START_TEST(test_lost_and_back)
+CHECK_TEST(test_lost_and_back)
 {
   Rig rig;
   unwrap(rig.driver.open(rig.config()));
@@ -352,10 +344,9 @@ GST_START_TEST(test_lost_and_back)
   fail_unless(rig.driver.status().reconnects == 1);
   assert_has(rig.driver.status().board, back.path);
 }
-GST_END_TEST;
 
 /// A gamepad that takes no levels is lost, not an error of write().
-GST_START_TEST(test_takes_nothing)
+CHECK_TEST(test_takes_nothing)
 {
   Rig rig;
   rig.room.takes = false;
@@ -363,9 +354,8 @@ GST_START_TEST(test_takes_nothing)
   rig.wait_for_event(EventKind::lost);
   unwrap(rig.driver.write(std::array{ 3.0 }, 0s));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_runs_on_if_killed)
+CHECK_TEST(test_runs_on_if_killed)
 {
   Rig rig;
   rig.room.stops_with_process = false;
@@ -373,27 +363,5 @@ GST_START_TEST(test_runs_on_if_killed)
   rig.wait_for_warning("has no watchdog");
   rig.wait_for_warning("run on if the player is killed");
 }
-GST_END_TEST;
 
-static Suite *
-gamepad_driver_suite(void)
-{
-  Suite *suite = suite_create("gamepad_driver");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_levels);
-  tcase_add_test(tcase, test_limits);
-  tcase_add_test(tcase, test_fewer_tactors);
-  tcase_add_test(tcase, test_zero_on_ways_out);
-  tcase_add_test(tcase, test_zero_on_signal);
-  tcase_add_test(tcase, test_no_gamepad);
-  tcase_add_test(tcase, test_several);
-  tcase_add_test(tcase, test_unsuitable);
-  tcase_add_test(tcase, test_lost_and_back);
-  tcase_add_test(tcase, test_takes_nothing);
-  tcase_add_test(tcase, test_runs_on_if_killed);
-  return suite;
-}
-
-GST_CHECK_MAIN(gamepad_driver);
+CHECK_MAIN(gamepad_driver)

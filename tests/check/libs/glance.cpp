@@ -14,6 +14,8 @@
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/temporary_file.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr std::array<unsigned, 3> kColors{ 0xffff0000, 0xff00ff00, 0xff0000ff };
@@ -83,7 +85,7 @@ colors(const Film &film, gint64 every)
 
 } // namespace
 
-GST_START_TEST(test_key_frames)
+CHECK_TEST(test_key_frames)
 {
   const TemporaryFile file("", ".webm");
   const std::map<gint64, unsigned> found = colors(make_film(file.path), 1000);
@@ -91,26 +93,13 @@ GST_START_TEST(test_key_frames)
   for (const auto &[ms, color] : found)
     ck_assert_uint_eq(color, static_cast<unsigned>(ms / 4000));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_film)
+CHECK_TEST(test_no_film)
 {
   const TemporaryFile file("", ".webm");
   Film film = make_film(file.path);
   g_file_set_contents(file.path.c_str(), "no film", -1, nullptr);
   fail_unless(colors(film, 1000).empty());
 }
-GST_END_TEST;
 
-static Suite *
-glance_suite(void)
-{
-  Suite *suite = suite_create("glance");
-  TCase *tcase = tcase_create("glance");
-  tcase_add_test(tcase, test_key_frames);
-  tcase_add_test(tcase, test_no_film);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(glance);
+CHECK_MAIN(glance)

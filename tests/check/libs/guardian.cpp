@@ -19,6 +19,8 @@
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using tactor::Guardian;
 
 namespace {
@@ -69,7 +71,7 @@ volatile std::sig_atomic_t children = 0;
 
 /// It has a session of its own without a terminal, no file but the socket, default signals, and is
 /// no child to wait for.
-GST_START_TEST(test_started)
+CHECK_TEST(test_started)
 {
   int inherited[2];
   fail_unless(pipe(inherited) == 0); // as of an application that does not close on exec
@@ -99,10 +101,9 @@ GST_START_TEST(test_started)
   guardian.dismiss();
   assert_text(script.hear(), " 00");
 }
-GST_END_TEST;
 
 /// It hears the end of the socket when this process is gone without a word.
-GST_START_TEST(test_left)
+CHECK_TEST(test_left)
 {
   Script script;
   std::optional<Guardian> guardian = unwrap(Guardian::start("1-2"));
@@ -112,9 +113,8 @@ GST_START_TEST(test_left)
   guardian.reset();
   assert_text(script.hear(), "");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_cannot_be_started)
+CHECK_TEST(test_cannot_be_started)
 {
   setenv("VISUOTACTILE_GUARDIAN", "/nonexistent/guardian", 1);
   const auto none = Guardian::start("1-2");
@@ -122,18 +122,5 @@ GST_START_TEST(test_cannot_be_started)
   assert_contains(none.error(), { "/nonexistent/guardian", "No such file" });
   fail_unless(waitpid(-1, nullptr, __WALL | WNOHANG) == -1 && errno == ECHILD);
 }
-GST_END_TEST;
 
-static Suite *
-guardian_suite(void)
-{
-  Suite *suite = suite_create("guardian");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_started);
-  tcase_add_test(tests, test_left);
-  tcase_add_test(tests, test_cannot_be_started);
-  return suite;
-}
-
-GST_CHECK_MAIN(guardian)
+CHECK_MAIN(guardian)

@@ -13,6 +13,8 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
@@ -113,7 +115,7 @@ read_hjif(std::string_view text)
 
 } // namespace
 
-GST_START_TEST(test_reference_file)
+CHECK_TEST(test_reference_file)
 {
   const Track expected = two_tactors(1401ms); // its silent channels last a tick longer
   fail_unless(read_hjif(reference()) == expected);
@@ -125,9 +127,8 @@ GST_START_TEST(test_reference_file)
   for (const std::string &path : theirs)
     fail_unless(ours.contains(path), "%s is not in our file", path.c_str());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_keyframes)
+CHECK_TEST(test_keyframes)
 {
   // The channels of the reference file that are not silent.
   const std::string text = write_hjif(two_tactors(), kDate);
@@ -139,9 +140,8 @@ GST_START_TEST(test_keyframes)
     numbers += (*i)[2].str() + " ";
   ASSERT_TEXT(numbers, "0 0.0 1000 0.0 1001 0.75 1400 0.75 1401 0.0 ");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   for (unsigned seed = 0; seed < 12; seed++) { // few: slow under sanitizers
     const Track track = random_track(seed, 1ms, 0);
@@ -154,9 +154,8 @@ GST_START_TEST(test_round_trip)
   fail_unless(text.find("\"level\" : 2") != std::string::npos); // 128 channels
   fail_unless(read_hjif(text) == large);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_changes_a_millisecond_apart)
+CHECK_TEST(test_changes_a_millisecond_apart)
 {
   Track track(1, 1);
   track.append(10ms, make_map(1, 1, { 0.5F }));
@@ -165,9 +164,8 @@ GST_START_TEST(test_changes_a_millisecond_apart)
   track.set_end(13ms);
   fail_unless(read_hjif(write_hjif(track, kDate)) == track);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ramps_of_other_tools)
+CHECK_TEST(test_ramps_of_other_tools)
 {
   // From 0 to 1 in 100 ms: five steps of 20 ms, each with its mean level. The last level holds for
   // 50 ms.
@@ -181,9 +179,8 @@ GST_START_TEST(test_ramps_of_other_tools)
   fail_unless_equals_float(track.at(340ms).at(0, 0), 1);
   fail_unless(is_silent(track.at(199ms)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bands_and_effects_are_added_up)
+CHECK_TEST(test_bands_and_effects_are_added_up)
 {
   const std::string steady = effect(0, key(0, 0.25) + "," + key(100, 0.25));
   const std::string negative = effect(50, key(0, -0.5) + "," + key(100, -0.5));
@@ -194,12 +191,11 @@ GST_START_TEST(test_bands_and_effects_are_added_up)
   fail_unless_equals_float(track.at(100ms).at(0, 0), 0.25);
   fail_unless(track.end() == 150ms);
 }
-GST_END_TEST;
 
 /// An AHAP file as the reference software's encoder converts it. One second of a ramp from 0.2
 /// through 1 to 0, at 0.8. Half a second at 0.5 from 1 s on. The file's curve for actuators scales
 /// both. A band without transients.
-GST_START_TEST(test_ahap)
+CHECK_TEST(test_ahap)
 {
   const Track track = *read_hjif(contents("ahap.hjif"));
   fail_unless_equals_int(track.rows() * track.columns(), 1);
@@ -220,9 +216,8 @@ GST_START_TEST(test_ahap)
   fail_unless(std::abs(level(2200ms) - 0.3069) < 1e-4);
   fail_unless(level(2501ms) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const auto keyframes = key(0, 0.5) + "," + key(10, 0.5);
   ASSERT_COMPLAINT(read_hjif(""), "document", "object");
@@ -261,9 +256,8 @@ GST_START_TEST(test_refused)
                                               + targets + "," + targets + "],")),
                    "perceptions[0].channels[0]", "4096 targets");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_funscript)
+CHECK_TEST(test_funscript)
 {
   const Track track = two_tactors(2s);
   ASSERT_TEXT(write_funscript(track),
@@ -277,24 +271,5 @@ GST_START_TEST(test_funscript)
               "]}\n");
   shape(write_funscript(random_track(1, 1ms, 0))); // valid JSON
 }
-GST_END_TEST;
 
-static Suite *
-hjif_suite(void)
-{
-  Suite *suite = suite_create("hjif");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_reference_file);
-  tcase_add_test(tests, test_keyframes);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_changes_a_millisecond_apart);
-  tcase_add_test(tests, test_ramps_of_other_tools);
-  tcase_add_test(tests, test_bands_and_effects_are_added_up);
-  tcase_add_test(tests, test_ahap);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_funscript);
-  return suite;
-}
-
-GST_CHECK_MAIN(hjif)
+CHECK_MAIN(hjif)

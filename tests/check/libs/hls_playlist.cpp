@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 
@@ -39,7 +39,7 @@ count_of(const std::string &text, const std::string &part)
 
 } // namespace
 
-GST_START_TEST(test_multivariant)
+CHECK_TEST(test_multivariant)
 {
   fail_unless(*hls::first_variant(kMaster) == "low/low.m3u8");
   fail_if(hls::first_variant(media(0, 1)).has_value());
@@ -56,9 +56,8 @@ GST_START_TEST(test_multivariant)
   const auto live = hls::with_track(twice, "tactile/index.m3u8", "", false);
   fail_unless(live && count_of(*live, "ahap") == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_live)
+CHECK_TEST(test_live)
 {
   const hls::Rendition begun{ .segments = *hls::read_segments(media(0, 4)), .start = 126'000 };
   const auto kept = hls::read_rendition(hls::write_rendition(begun));
@@ -72,9 +71,8 @@ GST_START_TEST(test_live)
   fail_if(hls::followed(*later, *hls::read_segments(media(8, 1))).has_value());
   fail_if(hls::followed(*later, *hls::read_segments(media(2, 1))).has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   for (const char *line :
        { "#EXTINF:2.5x,\na.ts\n", "#EXTINF:1,\n#EXTINF:1,\na.ts\n", "#EXT-X-TARGETDURATION:x\n",
@@ -87,10 +85,9 @@ GST_START_TEST(test_refused)
                              "#tactile-track x 1\n" })
     fail_if(hls::read_rendition(media(0, 0) + state).has_value(), "%s", state);
 }
-GST_END_TEST;
 
 // Haptics that others put there are kept, or replaced by --force.
-GST_START_TEST(test_haptics_of_others)
+CHECK_TEST(test_haptics_of_others)
 {
   const std::string line
       = "#EXT-X-SESSION-DATA:DATA-ID=\"com.apple.hls.haptics.url\",VALUE=\"x/own.ahap\"";
@@ -103,9 +100,8 @@ GST_START_TEST(test_haptics_of_others)
   const auto of_a_language = with(kMaster + line + ",LANGUAGE=\"de\"\n", false);
   fail_unless(of_a_language && count_of(*of_a_language, "own.ahap") == 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_addresses)
+CHECK_TEST(test_addresses)
 {
   fail_unless(*hls::path_of("-a/low.m3u8?token=1#x") == "-a/low.m3u8");
   fail_unless(*hls::path_of("film%201.m3u8") == "film 1.m3u8");
@@ -115,10 +111,9 @@ GST_START_TEST(test_addresses)
   for (const char *address : { "a\"b", "a\nb", "a b", "a\x7f" })
     fail_if(hls::checked_address(address).has_value(), "%s", address);
 }
-GST_END_TEST;
 
 // Tags that all renditions of a film have alike. RFC 8216 4.3.3.1: 2.5 s are at most 3 s.
-GST_START_TEST(test_tags)
+CHECK_TEST(test_tags)
 {
   const std::string text
       = "#EXTM3U\n#EXT-X-TARGETDURATION:7\n#EXT-X-PLAYLIST-TYPE:EVENT\n"
@@ -132,9 +127,8 @@ GST_START_TEST(test_tags)
          "#EXT-X-PROGRAM-DATE-TIME:2026-11-27T08:00:00Z\n#EXTINF:2.500000,\n1.vtt\n#EXTINF" })
     fail_unless(count_of(written, line) == 1, "%s: %s", line, written.c_str());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_begun)
+CHECK_TEST(test_begun)
 {
   fail_unless(hls::begun(*hls::read_segments(media(0, 4))).has_value());
   fail_unless(
@@ -144,10 +138,9 @@ GST_START_TEST(test_begun)
   // Segment 9 left when 10 became the first. It stays for its length and that of the playlist.
   fail_unless(hls::oldest_kept(*hls::read_segments(media(14, 4))) == 9);
 }
-GST_END_TEST;
 
 // However much of a playlist an encoder has written, no segment differs from what it becomes.
-GST_START_TEST(test_half_written)
+CHECK_TEST(test_half_written)
 {
   const std::string text = media(12, 3, "#EXT-X-ENDLIST\n");
   const hls::Segments whole = *hls::read_segments(text);
@@ -163,10 +156,9 @@ GST_START_TEST(test_half_written)
     fail_unless(part->durations.size() == count_of(text.substr(0, size), "a.ts\n"), "%zu", size);
   }
 }
-GST_END_TEST;
 
 // A cue across the end of a segment is in both, each with its part.
-GST_START_TEST(test_segment)
+CHECK_TEST(test_segment)
 {
   const tactile::Track track = *tactile::read_csv("# tactile grid=1x1 rate=0\ntime_ms,t0\n0,0\n"
                                                   "1900,0.5\n2100,0\n3000,0.25\n4500,0\n");
@@ -179,24 +171,5 @@ GST_START_TEST(test_segment)
                   && count_of(second, "00:00:03.000 --> 00:00:04.000") == 1,
               "%s", second.c_str());
 }
-GST_END_TEST;
 
-static Suite *
-hls_playlist_suite(void)
-{
-  Suite *suite = suite_create("hls_playlist");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_multivariant);
-  tcase_add_test(tests, test_live);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_segment);
-  tcase_add_test(tests, test_half_written);
-  tcase_add_test(tests, test_begun);
-  tcase_add_test(tests, test_tags);
-  tcase_add_test(tests, test_addresses);
-  tcase_add_test(tests, test_haptics_of_others);
-  return suite;
-}
-
-GST_CHECK_MAIN(hls_playlist)
+CHECK_MAIN(hls_playlist)

@@ -23,6 +23,8 @@
 
 #include "hostile.h"
 
+#include "support/check_tests.h"
+
 using namespace tactor;
 
 namespace {
@@ -86,7 +88,7 @@ wav(std::uint32_t riff_size, std::uint16_t channels, std::uint32_t rate, std::ui
 
 } // namespace
 
-GST_START_TEST(test_files_of_two_gigabytes)
+CHECK_TEST(test_files_of_two_gigabytes)
 {
   limit_memory();
   const TemporaryFolder folder;
@@ -98,19 +100,17 @@ GST_START_TEST(test_files_of_two_gigabytes)
   std::filesystem::rename(path, folder.file("session.ini"));
   fail_if(is_read([&] { Session::open(folder.path); }));
 }
-GST_END_TEST;
 
 /// Nobody writes to it.
-GST_START_TEST(test_pipe)
+CHECK_TEST(test_pipe)
 {
   const TemporaryFolder folder;
   const std::string path = folder.file("pipe.wav");
   fail_unless(mkfifo(path.c_str(), 0600) == 0);
   fail_if(is_read([&] { read_recording(path); }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_calibrations)
+CHECK_TEST(test_calibrations)
 {
   limit_memory();
   const TemporaryFolder folder;
@@ -129,9 +129,8 @@ GST_START_TEST(test_calibrations)
   fail_if(is_calibration(folder.file("c", "[Calibration]\nversion=1\n[Tactor 99999999999]\n")));
   fail_if(is_calibration(folder.file("c", "[Calibration]\nversion=1\n[Tactor -1]\n")));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_recordings_as_csv)
+CHECK_TEST(test_recordings_as_csv)
 {
   limit_memory();
   const TemporaryFolder folder;
@@ -153,9 +152,8 @@ GST_START_TEST(test_recordings_as_csv)
   fail_if(reads("0,1\n1e-300,1\n"));
   fail_if(reads("1,1\n1.0000000000000002,1\n"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_recordings_as_wav)
+CHECK_TEST(test_recordings_as_wav)
 {
   const TemporaryFolder folder;
   const auto reads = [&](const std::string &bytes) {
@@ -175,10 +173,9 @@ GST_START_TEST(test_recordings_as_wav)
   fail_if(reads(""));
   fail_if(reads(times(4 * kMiB, "RIFF")));
 }
-GST_END_TEST;
 
 /// Playlists and session descriptions refer to other places. Nothing is fetched from there.
-GST_START_TEST(test_invalid_recordings)
+CHECK_TEST(test_invalid_recordings)
 {
   const int listener = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
   sockaddr_in address{};
@@ -207,9 +204,8 @@ GST_START_TEST(test_invalid_recordings)
   fail_unless(accept(listener, nullptr, nullptr) < 0 && errno == EAGAIN, "somebody was asked");
   close(listener);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_traces)
+CHECK_TEST(test_traces)
 {
   limit_memory();
   const TemporaryFolder folder;
@@ -224,9 +220,8 @@ GST_START_TEST(test_traces)
     fail_if(reads(std::string("0,0,100,0,") + volts + "\n"), "%s V", volts);
   fail_if(reads("0,-9223372036854775808,9223372036854775807,0,1\n"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_measurements)
+CHECK_TEST(test_measurements)
 {
   limit_memory();
   const TemporaryFolder folder;
@@ -252,10 +247,9 @@ GST_START_TEST(test_measurements)
         opens(std::string("tactors=0\nrepetitions=1\nvoltage-max=3\nstep-volts=") + number + "\n"),
         "%s", number);
 }
-GST_END_TEST;
 
 /// Endless messages from a board that never stops sending.
-GST_START_TEST(test_boards)
+CHECK_TEST(test_boards)
 {
   limit_memory();
   FirmataBoard board(Time(0));
@@ -274,24 +268,5 @@ GST_START_TEST(test_boards)
   fail_unless(board.pins().empty());
   board.close(Time(0));
 }
-GST_END_TEST;
 
-static Suite *
-hostile_files_suite(void)
-{
-  Suite *suite = suite_create("hostile_files");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_files_of_two_gigabytes);
-  tcase_add_test(cases, test_pipe);
-  tcase_add_test(cases, test_calibrations);
-  tcase_add_test(cases, test_recordings_as_csv);
-  tcase_add_test(cases, test_recordings_as_wav);
-  tcase_add_test(cases, test_invalid_recordings);
-  tcase_add_test(cases, test_traces);
-  tcase_add_test(cases, test_measurements);
-  tcase_add_test(cases, test_boards);
-  return suite;
-}
-
-GST_CHECK_MAIN(hostile_files)
+CHECK_MAIN(hostile_files)

@@ -7,6 +7,8 @@
 
 #include "hostile.h"
 
+#include "support/check_tests.h"
+
 using namespace tactile;
 
 namespace {
@@ -36,16 +38,15 @@ is_read(const std::string &text, TrackFormat form)
 
 } // namespace
 
-GST_START_TEST(test_a_file_of_two_gigabytes)
+CHECK_TEST(test_a_file_of_two_gigabytes)
 {
   limit_memory();
   const TemporaryFile file("", ".vtt");
   std::filesystem::resize_file(file.path, 2048 * kMiB); // one line, a sparse file
   fail_if(read_track_file(file.path));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_long_lines)
+CHECK_TEST(test_long_lines)
 {
   limit_memory();
   for (const TrackFormat form : kForms)
@@ -57,9 +58,8 @@ GST_START_TEST(test_long_lines)
   fail_if(is_read("WEBVTT\n\n00:01.000 --> 00:02.000\n" + times(2 * kMiB, "75 ") + "\n",
                   TrackFormat::webvtt));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_million_cues)
+CHECK_TEST(test_a_million_cues)
 {
   limit_memory();
   std::string csv = "# tactile grid=1x1 rate=0\ntime_ms,t0\n";
@@ -77,9 +77,8 @@ GST_START_TEST(test_a_million_cues)
   fail_unless(is_read(csv, TrackFormat::csv));
   fail_unless(is_read(vtt, TrackFormat::webvtt));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_deep_and_growing_documents)
+CHECK_TEST(test_deep_and_growing_documents)
 {
   limit_memory();
   for (const char *open : { "[", "{\"a\":", "[{\"avatars\":" })
@@ -96,11 +95,10 @@ GST_START_TEST(test_deep_and_growing_documents)
   fail_if(is_read("<!DOCTYPE SEM [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><SEM>&f;</SEM>",
                   TrackFormat::sem));
 }
-GST_END_TEST;
 
 /// Documents whose tree is many times larger than the file are refused by the number of their
 /// parts, or read in bounded memory.
-GST_START_TEST(test_documents_of_many_parts)
+CHECK_TEST(test_documents_of_many_parts)
 {
   limit_memory(3);
   const auto array = [](std::size_t count, const std::string &item) {
@@ -117,9 +115,8 @@ GST_START_TEST(test_documents_of_many_parts)
     fail_if(is_read("<SEM " + times(count, "a='' ") + "/>", TrackFormat::sem));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_invalid_numbers)
+CHECK_TEST(test_invalid_numbers)
 {
   const char *const numbers[] = { "nan", "NaN",  "inf",    "-inf", "Infinity", "1e999", "-1e999",
                                   "-1",  "0x1p", "1e-999", "",     "١",        "1;2",   "-0" };
@@ -149,10 +146,9 @@ GST_START_TEST(test_invalid_numbers)
     }
   }
 }
-GST_END_TEST;
 
 /// Times that go back, overlap, repeat, or end before they begin.
-GST_START_TEST(test_times_in_disorder)
+CHECK_TEST(test_times_in_disorder)
 {
   fail_if(is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0,1\n400,0\n200,1\n", TrackFormat::csv));
   const char *const cues[] = { "00:02.000 --> 00:01.000", "00:01.000 --> 00:01.000",
@@ -162,11 +158,10 @@ GST_START_TEST(test_times_in_disorder)
                 + "00:00.500 --> 00:03.000\n50\n\n00:00.400 --> 00:00.900\n90\n",
             TrackFormat::webvtt);
 }
-GST_END_TEST;
 
 /// A thousand events of 20 hours under one slope of sharpness: a map has few frequencies, but
 /// each event sets all of them again.
-GST_START_TEST(test_frequencies_set_again)
+CHECK_TEST(test_frequencies_set_again)
 {
   limit_memory(3);
   const std::string event = R"({"Event":{"Time":0,"EventType":"HapticContinuous",)"
@@ -178,10 +173,9 @@ GST_START_TEST(test_frequencies_set_again)
                         R"({"Time":72000,"ParameterValue":0.5}]}}]})",
                   TrackFormat::ahap));
 }
-GST_END_TEST;
 
 /// A slope of 20 hours, to which each of thousands of channels would be added in each step.
-GST_START_TEST(test_a_slope_of_many_channels)
+CHECK_TEST(test_a_slope_of_many_channels)
 {
   LevelCurves curves(1000, 1);
   const LevelCurves::Point points[] = { { 0, 0 }, { 72'000'000, 1 } };
@@ -189,24 +183,5 @@ GST_START_TEST(test_a_slope_of_many_channels)
   const std::vector<std::vector<std::size_t>> cells(4096, { 0 });
   fail_if(curves.join(tactile::Track(64, 64), cells));
 }
-GST_END_TEST;
 
-static Suite *
-hostile_tracks_suite(void)
-{
-  Suite *suite = suite_create("hostile_tracks");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_a_file_of_two_gigabytes);
-  tcase_add_test(cases, test_long_lines);
-  tcase_add_test(cases, test_a_million_cues);
-  tcase_add_test(cases, test_deep_and_growing_documents);
-  tcase_add_test(cases, test_documents_of_many_parts);
-  tcase_add_test(cases, test_a_slope_of_many_channels);
-  tcase_add_test(cases, test_frequencies_set_again);
-  tcase_add_test(cases, test_invalid_numbers);
-  tcase_add_test(cases, test_times_in_disorder);
-  return suite;
-}
-
-GST_CHECK_MAIN(hostile_tracks)
+CHECK_MAIN(hostile_tracks)

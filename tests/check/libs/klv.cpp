@@ -3,10 +3,12 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_bytes)
+CHECK_TEST(test_bytes)
 {
   // By hand from the table in klv.h.
   const std::vector<std::uint8_t> expected
@@ -15,9 +17,8 @@ GST_START_TEST(test_bytes)
           0x3b, 0x9a, 0xca, 0x00, 0x3f, 0x40, 0x00, 0x00, 0,    0,   0,   0 };
   fail_unless(write_klv(make_map(1, 2, { 0.75F, 0 }), 1s) == expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   for (unsigned seed = 0; seed < 50; seed++) {
     const Track track = random_track(seed, 1ms, 0);
@@ -29,9 +30,8 @@ GST_START_TEST(test_round_trip)
   const TactileMap large(64, 64); // its length takes two bytes
   fail_unless(read_klv(write_klv(large, 1s))->map == large);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frequency)
+CHECK_TEST(test_frequency)
 {
   TactileMap map(1, 2);
   map.levels = { 0.5F, 1 };
@@ -42,9 +42,8 @@ GST_START_TEST(test_frequency)
   bytes[bytes.size() - 4] = 0x7f;
   ASSERT_COMPLAINT(read_klv(bytes), "byte 36", "1 to 1000 Hz");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const std::vector<std::uint8_t> good = write_klv(make_map(1, 2, { 0.75F, 0 }), 1s);
   const auto with = [&](std::size_t at, std::uint8_t value) {
@@ -75,19 +74,5 @@ GST_START_TEST(test_refused)
   nan[29] = 0xc0;
   ASSERT_COMPLAINT(read_klv(nan), "byte 28", "0 to 1");
 }
-GST_END_TEST;
 
-static Suite *
-klv_suite(void)
-{
-  Suite *suite = suite_create("klv");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_bytes);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_frequency);
-  tcase_add_test(tests, test_refused);
-  return suite;
-}
-
-GST_CHECK_MAIN(klv)
+CHECK_MAIN(klv)

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor;
 
@@ -32,7 +32,7 @@ contents(const std::filesystem::path &path)
 } // namespace
 
 /// Known by serial number in any socket, or by socket if there is no number.
-GST_START_TEST(test_remembers)
+CHECK_TEST(test_remembers)
 {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.file("state/visuotactile/boards");
@@ -61,9 +61,8 @@ GST_START_TEST(test_remembers)
   boards.add(adapter("A5", "1-1"));
   fail_unless(again.has(adapter("A5", "1-1")) && !again.has_refused(adapter("A5", "1-1")));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limited_number)
+CHECK_TEST(test_limited_number)
 {
   const TemporaryFolder folder;
   KnownBoards boards(folder.file("boards"));
@@ -78,10 +77,9 @@ GST_START_TEST(test_limited_number)
   fail_if(boards.has(adapter("a\nb", "1-1")));
   fail_if(boards.has(adapter(std::string(5000, 'x').c_str(), "1-1")));
 }
-GST_END_TEST;
 
 /// Missing, huge and unrelated files: no board is known, and nothing blocks.
-GST_START_TEST(test_invalid_files)
+CHECK_TEST(test_invalid_files)
 {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.file("boards");
@@ -106,10 +104,9 @@ GST_START_TEST(test_invalid_files)
   none.add(adapter("A5", "1-1"));
   fail_if(none.has(adapter("A5", "1-1")));
 }
-GST_END_TEST;
 
 /// The path that the XDG base directory specification gives.
-GST_START_TEST(test_default_file)
+CHECK_TEST(test_default_file)
 {
   setenv("HOME", "/home/a", 1);
   unsetenv("XDG_STATE_HOME");
@@ -121,19 +118,5 @@ GST_START_TEST(test_default_file)
   unsetenv("HOME");
   fail_unless(KnownBoards::default_file().empty());
 }
-GST_END_TEST;
 
-static Suite *
-known_boards_suite(void)
-{
-  Suite *suite = suite_create("known_boards");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_remembers);
-  tcase_add_test(tests, test_limited_number);
-  tcase_add_test(tests, test_invalid_files);
-  tcase_add_test(tests, test_default_file);
-  return suite;
-}
-
-GST_CHECK_MAIN(known_boards)
+CHECK_MAIN(known_boards)

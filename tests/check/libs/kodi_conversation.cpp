@@ -7,7 +7,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -88,7 +88,7 @@ constexpr const char *kTwoHours = R"({"hours":2,"milliseconds":7,"minutes":3,"se
 
 } // namespace
 
-GST_START_TEST(test_play)
+CHECK_TEST(test_play)
 {
   Talk talk;
   talk.begin();
@@ -111,10 +111,9 @@ GST_START_TEST(test_play)
   talk.now += 900ms;
   fail_unless(talk.talk.ask(talk.now).empty(), "asked in a pause");
 }
-GST_END_TEST;
 
 /// A pause is told before anything is asked; an answer that was on its way does not count.
-GST_START_TEST(test_pause)
+CHECK_TEST(test_pause)
 {
   Talk talk;
   talk.begin();
@@ -133,10 +132,9 @@ GST_START_TEST(test_pause)
   ck_assert(talk.tells(kFiveSeconds, "1").doing == Doing::playing);
   fail_if(talk.notes("OnPause", R"({"playerid":0,"speed":0})").report.has_value());
 }
-GST_END_TEST;
 
 /// After a seek, Kodi tells for a while where it was.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Talk talk;
   talk.begin();
@@ -166,9 +164,8 @@ GST_START_TEST(test_seek)
   report = talk.properties(kFiveSeconds, "1").report.value_or(Report{});
   ck_assert(report.position == 5250ms + kAhead && report.sought);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_films)
+CHECK_TEST(test_films)
 {
   Talk talk;
   talk.begin();
@@ -192,9 +189,8 @@ GST_START_TEST(test_films)
   ck_assert(heard.report && heard.report->doing == Doing::stopped);
   fail_unless(talk.notes("OnStop", "{}").questions.size() > 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   Talk talk;
   talk.begin();
@@ -205,9 +201,8 @@ GST_START_TEST(test_silence)
   fail_if(talk.talk.is_silent(talk.now + 4s));
   fail_unless(talk.talk.is_silent(talk.now + 6s));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nonsense)
+CHECK_TEST(test_nonsense)
 {
   Talk talk;
   talk.begin();
@@ -233,9 +228,8 @@ GST_START_TEST(test_nonsense)
   for (const char *object : { "", "HTTP/1.1 400 Bad Request", R"({"result":["pong"]})", "{}" })
     fail_if(KodiConversation::is_pong(object));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stream)
+CHECK_TEST(test_stream)
 {
   JsonStream stream;
   fail_if(stream.next().has_value());
@@ -263,23 +257,5 @@ GST_START_TEST(test_stream)
   }
   fail_unless(!takes && pieces < 10, "%d pieces", pieces);
 }
-GST_END_TEST;
 
-static Suite *
-kodi_conversation_suite(void)
-{
-  Suite *suite = suite_create("kodi_conversation");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_play);
-  tcase_add_test(tcase, test_pause);
-  tcase_add_test(tcase, test_seek);
-  tcase_add_test(tcase, test_films);
-  tcase_add_test(tcase, test_silence);
-  tcase_add_test(tcase, test_nonsense);
-  tcase_add_test(tcase, test_stream);
-  return suite;
-}
-
-GST_CHECK_MAIN(kodi_conversation);
+CHECK_MAIN(kodi_conversation)

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <random>
 
+#include "support/check_tests.h"
+
 using saliency::ColorModel;
 using saliency::LabConverter;
 using saliency::SampleCoding;
@@ -96,7 +98,7 @@ refuses(const SampleCoding &coding)
 
 } // namespace
 
-GST_START_TEST(test_published_anchors)
+CHECK_TEST(test_published_anchors)
 {
   // Bruce Lindbloom's calculator, sRGB with D65 and no adaptation, to two decimals.
   const SampleCoding rgb{ .model = ColorModel::rgb };
@@ -112,9 +114,8 @@ GST_START_TEST(test_published_anchors)
   expect_near(lab_of(video, { 16, 128, 128 }), { 0, 0, 0 }, 0.001);
   expect_near(lab_of(video, { 81, 90, 240 }), { 53.24, 80.09, 67.20 }, 1); // codes are integers
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grays)
+CHECK_TEST(test_grays)
 {
   for (const bool full_range : { false, true })
     for (const ColorModel model : { ColorModel::gray, ColorModel::yuv, ColorModel::rgb }) {
@@ -134,25 +135,22 @@ GST_START_TEST(test_grays)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rgb)
+CHECK_TEST(test_rgb)
 {
   for (const int depth : { 8, 10, 12, 16 })
     fail_unless_at_most(error({ .model = ColorModel::rgb, .depth = depth }, random_codes(depth, 1)),
                         kBound);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rgb_ignores_range)
+CHECK_TEST(test_rgb_ignores_range)
 {
   const auto codes = random_codes(8, 2);
   fail_unless_at_most(error({ .model = ColorModel::rgb, .full_range = true }, codes), kBound);
   fail_unless_at_most(error({ .model = ColorModel::rgb, .full_range = false }, codes), kBound);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_gamut)
+CHECK_TEST(test_gamut)
 {
   // All colors on a grid of 5 codes, and every code of grays and primaries, for the two curves.
   std::vector<std::array<double, 3>> codes;
@@ -166,9 +164,8 @@ GST_START_TEST(test_gamut)
   }
   fail_unless_at_most(error({ .model = ColorModel::rgb }, codes), kBound);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_targets)
+CHECK_TEST(test_targets)
 {
   // Results are bit-identical with all instruction sets of this CPU.
   const auto codes = random_codes(8, 9);
@@ -187,9 +184,8 @@ GST_START_TEST(test_targets)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_dark_rgb)
+CHECK_TEST(test_dark_rgb)
 {
   // Where the curves bend most: all colors of the 32 darkest codes, which include the linear parts
   // of CIE's and sRGB's curves.
@@ -200,9 +196,8 @@ GST_START_TEST(test_dark_rgb)
         codes.push_back({ 1.0 * r, 1.0 * g, 1.0 * b });
   fail_unless_at_most(error({ .model = ColorModel::rgb }, codes), kBound);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_yuv)
+CHECK_TEST(test_yuv)
 {
   // Random codes. Most lie outside the R'G'B' cube and the nominal range, so clipping is tested,
   // too.
@@ -216,9 +211,8 @@ GST_START_TEST(test_yuv)
                     full_range, e);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_fractional_codes)
+CHECK_TEST(test_fractional_codes)
 {
   auto codes = random_codes(8, 100);
   for (std::size_t i = 0; i < codes.size(); ++i)
@@ -226,9 +220,8 @@ GST_START_TEST(test_fractional_codes)
       v += static_cast<double>(i % 64) / 64;
   fail_unless_at_most(error({}, codes), kBound);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_invalid_codings)
+CHECK_TEST(test_invalid_codings)
 {
   fail_if(refuses({}));
   fail_unless(refuses({ .depth = 7 }));
@@ -238,25 +231,5 @@ GST_START_TEST(test_invalid_codings)
   fail_unless(refuses({ .matrix = { NAN, 0.1 } }));
   fail_if(refuses({ .model = ColorModel::rgb, .matrix = { 0, 0 } })); // not used by RGB
 }
-GST_END_TEST;
 
-static Suite *
-lab_suite(void)
-{
-  Suite *suite = suite_create("lab");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_published_anchors);
-  tcase_add_test(tc, test_grays);
-  tcase_add_test(tc, test_rgb);
-  tcase_add_test(tc, test_rgb_ignores_range);
-  tcase_add_test(tc, test_gamut);
-  tcase_add_test(tc, test_targets);
-  tcase_add_test(tc, test_dark_rgb);
-  tcase_add_test(tc, test_yuv);
-  tcase_add_test(tc, test_fractional_codes);
-  tcase_add_test(tc, test_invalid_codings);
-  return suite;
-}
-
-GST_CHECK_MAIN(lab);
+CHECK_MAIN(lab)

@@ -8,6 +8,8 @@
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using quality::LabelJudge;
 using quality::LabelScores;
@@ -25,7 +27,7 @@ labels(const std::string &lines)
 
 } // namespace
 
-GST_START_TEST(test_scores)
+CHECK_TEST(test_scores)
 {
   LabelJudge judge(labels("0,1,quiet,,,black\n1,2.2,felt,4 5,2,a ball\n2.2,3,allowed,*,,cut\n"
                           "3,4,allowed,0,,a title\n"));
@@ -53,10 +55,9 @@ GST_START_TEST(test_scores)
     fail_unless(scores.found[i].sum == found[i].sum && scores.found[i].count == found[i].count);
   }
 }
-GST_END_TEST;
 
 /// One favorite cell is no place, also where most spans have it; all right is 1.
-GST_START_TEST(test_place)
+CHECK_TEST(test_place)
 {
   const auto place = [](const std::vector<int> &cells) {
     LabelJudge judge(labels("0,1,felt,4 5,1,a\n1,2,felt,3 4,1,b\n2,3,felt,0,1,c\n3,4,quiet,,,d\n"));
@@ -72,9 +73,8 @@ GST_START_TEST(test_place)
   // Of cells 4, 4, 4, 5, 0, 0 the chances of the spans are 4/6, 3/6 and 2/6: (5 - 3) / (6 - 3).
   fail_unless_near(place({ 4, 4, 4, 5, 0, 0 }), 2.0 / 3, 1e-12);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nothing_felt)
+CHECK_TEST(test_nothing_felt)
 {
   LabelJudge judge(labels("0,1,quiet,,,black\n"));
   judge.frame(0ms, felt(-1));
@@ -83,9 +83,8 @@ GST_START_TEST(test_nothing_felt)
   fail_unless_near(scores.precision, 1, 0);
   fail_unless_near(scores.recall, 1, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_faults)
+CHECK_TEST(test_faults)
 {
   const struct
   {
@@ -118,19 +117,5 @@ GST_START_TEST(test_faults)
                 message.c_str());
   }
 }
-GST_END_TEST;
 
-static Suite *
-labels_suite(void)
-{
-  Suite *suite = suite_create("labels");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_scores);
-  tcase_add_test(tc, test_place);
-  tcase_add_test(tc, test_nothing_felt);
-  tcase_add_test(tc, test_faults);
-  return suite;
-}
-
-GST_CHECK_MAIN(labels);
+CHECK_MAIN(labels)

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor;
 
@@ -24,7 +24,7 @@ constexpr Layout kVest{ .rows = 5, .columns = 4 };
 
 } // namespace
 
-GST_START_TEST(test_finer_maps)
+CHECK_TEST(test_finer_maps)
 {
   const Layout grips{ .rows = 1, .columns = 2 };
   fail_unless(pooled({ .1F, .2F, .3F, .4F, .8F, .7F, .6F, .5F }, 2, 4, grips)
@@ -34,9 +34,8 @@ GST_START_TEST(test_finer_maps)
   fail_unless(pools(grips, 1, 3) && pools(grips, 2, 2) && !pools(grips, 1, 2));
   fail_unless(pooled({ .1F, NAN, .3F }, 1, 3, grips) == (Levels{ .1F, .3F }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_coarser_maps)
+CHECK_TEST(test_coarser_maps)
 {
   fail_unless(pooled({ .5F }, 1, 1, { .rows = 1, .columns = 2 }) == (Levels{ .5F, .5F }));
   fail_if(pools(kVest, 3, 3));
@@ -46,19 +45,17 @@ GST_START_TEST(test_coarser_maps)
                          .5F, .6F, .4F, .4F, .5F, .6F, .7F, .7F, .8F, .9F };
   fail_unless(vest == expected);
 }
-GST_END_TEST;
 
 /// Each panel has the whole map.
-GST_START_TEST(test_panels)
+CHECK_TEST(test_panels)
 {
   const Layout sides{ .rows = 1, .columns = 2, .panels = 2 };
   ck_assert_int_eq(sides.tactors(), 4);
   fail_unless(pooled({ .1F, .2F }, 1, 2, sides) == (Levels{ .1F, .2F, .1F, .2F }));
 }
-GST_END_TEST;
 
 /// A single cell is felt on every layout, wherever it is.
-GST_START_TEST(test_no_cell_is_dropped)
+CHECK_TEST(test_no_cell_is_dropped)
 {
   for (const Layout &layout : { kVest, Layout{ 1, 2 }, Layout{ 1, 1 }, Layout{ 2, 6 } })
     for (int rows = 1; rows <= 8; rows++)
@@ -72,19 +69,5 @@ GST_START_TEST(test_no_cell_is_dropped)
           fail_unless(sum >= 1, "cell %d of %d x %d", cell, rows, columns);
         }
 }
-GST_END_TEST;
 
-static Suite *
-layout_suite(void)
-{
-  Suite *suite = suite_create("layout");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_finer_maps);
-  tcase_add_test(tests, test_coarser_maps);
-  tcase_add_test(tests, test_panels);
-  tcase_add_test(tests, test_no_cell_is_dropped);
-  return suite;
-}
-
-GST_CHECK_MAIN(layout);
+CHECK_MAIN(layout)

@@ -4,7 +4,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactor::legible;
 
@@ -28,7 +28,7 @@ times(int count, const std::string &text)
 
 } // namespace
 
-GST_START_TEST(test_plain_names)
+CHECK_TEST(test_plain_names)
 {
   expect("Arduino Uno", "Arduino Uno");
   expect("Grüße, 振動", "Grüße, 振動");
@@ -36,9 +36,8 @@ GST_START_TEST(test_plain_names)
   expect("", "");
   expect(" ", "");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unprintable_characters)
+CHECK_TEST(test_unprintable_characters)
 {
   expect("a\033[2Jb", "a\ufffd[2Jb");
   expect("a\xc2\x9b"
@@ -49,26 +48,12 @@ GST_START_TEST(test_unprintable_characters)
   expect("\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd");
   expect("\xe6\x8c", "\ufffd\ufffd");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_long_names)
+CHECK_TEST(test_long_names)
 {
   expect(times(200, "ü"), times(126, "ü"));
   // A space that would come last after the cut is removed.
   expect(times(200, "a "), times(62, "a ") + "a");
 }
-GST_END_TEST;
 
-static Suite *
-legible_suite(void)
-{
-  Suite *suite = suite_create("legible");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_plain_names);
-  tcase_add_test(cases, test_unprintable_characters);
-  tcase_add_test(cases, test_long_names);
-  return suite;
-}
-
-GST_CHECK_MAIN(legible)
+CHECK_MAIN(legible)

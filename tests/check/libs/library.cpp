@@ -12,7 +12,7 @@
 #include <string>
 #include <sys/stat.h>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 
@@ -27,7 +27,7 @@ index_of(const std::string &members)
 } // namespace
 
 /// sha256sum of the size, the beginning, the second half and the end: "4", "film", "lm", "film".
-GST_START_TEST(test_content)
+CHECK_TEST(test_content)
 {
   const TemporaryFile film("film");
   fail_unless(library::film_content(film.path)
@@ -35,9 +35,8 @@ GST_START_TEST(test_content)
   fail_unless(library::film_content("/nowhere").empty());
   fail_unless(library::film_content("/tmp").empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_index)
+CHECK_TEST(test_index)
 {
   const std::vector<library::IndexEntry> entries = {
     { .file = "a b.vtt", .duration = 12500ms, .film = "a b.mkv", .content = std::string(64, 'f') },
@@ -49,10 +48,9 @@ GST_START_TEST(test_index)
               && (*read)[0].film == "a b.mkv" && (*read)[0].content == std::string(64, 'f'));
   fail_unless((*read)[1].file == "below/ü.csv" && (*read)[1].content.empty());
 }
-GST_END_TEST;
 
 /// Whatever would lead elsewhere or is out of bounds.
-GST_START_TEST(test_hostile)
+CHECK_TEST(test_hostile)
 {
   for (const char *members :
        { "\"file\": \"../a.vtt\", \"duration\": 1", "\"file\": \"/etc/a.vtt\", \"duration\": 1",
@@ -76,10 +74,9 @@ GST_START_TEST(test_hostile)
     many += ",0";
   fail_unless(library::read_index(many + "]}").error().find("at most 100000") != std::string::npos);
 }
-GST_END_TEST;
 
 /// Only http and https, and nothing of the user's in the request.
-GST_START_TEST(test_addresses)
+CHECK_TEST(test_addresses)
 {
   for (const char *address :
        { "ftp://host/a", "http://", "http://me:secret@host/a", "http://me@host/a",
@@ -91,10 +88,9 @@ GST_START_TEST(test_addresses)
   fail_unless(library::is_address("http://host/a") && !library::is_address("/a")
               && !library::is_address("file:///a"));
 }
-GST_END_TEST;
 
 /// A cache of a server's entries keeps to its bytes: what was used last, and what is in use.
-GST_START_TEST(test_heard_cache)
+CHECK_TEST(test_heard_cache)
 {
   const TemporaryFolder folder;
   for (int i = 0; i < 6; i++) {
@@ -112,10 +108,9 @@ GST_START_TEST(test_heard_cache)
   fail_unless(std::filesystem::exists(folder.file("5")) && std::filesystem::exists(folder.file("0"))
               && !std::filesystem::exists(folder.file("1")));
 }
-GST_END_TEST;
 
 /// Another program that uses an entry of the cache takes it from nobody.
-GST_START_TEST(test_heard_used)
+CHECK_TEST(test_heard_used)
 {
   const TemporaryFolder folder;
   const auto bytes = listen::write_entry(
@@ -133,10 +128,9 @@ GST_START_TEST(test_heard_used)
   fail_unless(stat(path.c_str(), &found) == 0 && found.st_atim.tv_sec > 1000);
   fail_unless(entry->track() == "track" && entry->reference(0, 2).has_value());
 }
-GST_END_TEST;
 
 /// A locked screen does not wait for a catalogue.
-GST_START_TEST(test_heard_stop)
+CHECK_TEST(test_heard_stop)
 {
   const TemporaryFolder folder;
   for (const char *name : { "a.heard", "b.heard" })
@@ -148,22 +142,5 @@ GST_START_TEST(test_heard_stop)
   g_cancellable_cancel(stop);
   fail_unless(library::heard_entries(folder.path, complaints, stop).empty() && complaints.empty());
 }
-GST_END_TEST;
 
-static Suite *
-library_suite()
-{
-  Suite *suite = suite_create("library");
-  TCase *tests = tcase_create("all");
-  tcase_add_test(tests, test_content);
-  tcase_add_test(tests, test_index);
-  tcase_add_test(tests, test_hostile);
-  tcase_add_test(tests, test_addresses);
-  tcase_add_test(tests, test_heard_cache);
-  tcase_add_test(tests, test_heard_used);
-  tcase_add_test(tests, test_heard_stop);
-  suite_add_tcase(suite, tests);
-  return suite;
-}
-
-GST_CHECK_MAIN(library);
+CHECK_MAIN(library)

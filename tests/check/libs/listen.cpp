@@ -16,6 +16,8 @@
 
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using listen::Heard;
 using listen::Time;
@@ -123,7 +125,7 @@ from(const Sound &sound, double seconds, int rate = kRate)
 } // namespace
 
 /// A copy that comes later is found to a sample of kRate, where no noise is.
-GST_START_TEST(test_delay)
+CHECK_TEST(test_delay)
 {
   const Sound sound = film(7, listen::kRate, 1, 10);
   listen::Onsets of_film;
@@ -144,10 +146,9 @@ GST_START_TEST(test_delay)
                 delay, samples, fit.score);
   }
 }
-GST_END_TEST;
 
 /// Of a steady noise, louder onsets have more weight than those within it.
-GST_START_TEST(test_weights)
+CHECK_TEST(test_weights)
 {
   std::vector<listen::Onset> onsets(90);
   for (std::size_t n = 0; n < onsets.size(); n++) {
@@ -161,9 +162,8 @@ GST_START_TEST(test_weights)
   }
   fail_unless(listen::weighted({}).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_any_rate)
+CHECK_TEST(test_any_rate)
 {
   for (const int rate : { 8000, 44100 }) {
     listen::Listener listener(catalogue(), rate);
@@ -175,10 +175,9 @@ GST_START_TEST(test_any_rate)
     fail_unless(all.size() > 12, "%zu looks in 12 s", all.size());
   }
 }
-GST_END_TEST;
 
 /// A film of 24 frames a second at 25, as in Europe's television, and the other way round.
-GST_START_TEST(test_television)
+CHECK_TEST(test_television)
 {
   for (const double speed : { 25.0 / 24, 24.0 / 25 }) {
     listen::Listener listener(catalogue(), kRate);
@@ -188,10 +187,9 @@ GST_START_TEST(test_television)
     fail_unless_equals_float(all.front().rate, speed);
   }
 }
-GST_END_TEST;
 
 /// Clocks of sound cards differ.
-GST_START_TEST(test_drift)
+CHECK_TEST(test_drift)
 {
   for (const double speed : { 1.0002, 0.9998 }) {
     listen::Listener listener(catalogue(), kRate);
@@ -199,9 +197,8 @@ GST_START_TEST(test_drift)
     expect_film(hear(listener, from(sound, 2), kRate), 2 * speed, speed, 2);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unknown)
+CHECK_TEST(test_unknown)
 {
   Random random(1);
   Sound noise(20 * kRate);
@@ -217,10 +214,9 @@ GST_START_TEST(test_unknown)
   listen::Listener of_nothing(none, kRate);
   fail_unless(hear(of_nothing, film(3), kRate).empty());
 }
-GST_END_TEST;
 
 /// As loud as the film.
-GST_START_TEST(test_noise)
+CHECK_TEST(test_noise)
 {
   Random random(2);
   Sound sound = film(3);
@@ -235,10 +231,9 @@ GST_START_TEST(test_noise)
   expect_film(all, 5, 1, 3);
   fail_unless(all.front().at <= 10s);
 }
-GST_END_TEST;
 
 /// After a seek nothing is told of where the film was, but for 1.5 s; then it is found again.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   const Sound sound = film(3);
   Sound played(sound.begin() + 5 * kRate, sound.begin() + 17 * kRate);
@@ -255,10 +250,9 @@ GST_START_TEST(test_seek)
               std::chrono::duration<double>((again - 1)->at).count(),
               std::chrono::duration<double>(again->at).count());
 }
-GST_END_TEST;
 
 /// A pause: the film stops, and goes on 10 s later.
-GST_START_TEST(test_pause)
+CHECK_TEST(test_pause)
 {
   const Sound sound = film(3);
   Sound played(sound.begin() + 5 * kRate, sound.begin() + 17 * kRate);
@@ -272,10 +266,9 @@ GST_START_TEST(test_pause)
   }
   fail_unless(listener.knows());
 }
-GST_END_TEST;
 
 /// Sound was lost: times no longer fit, and it starts anew.
-GST_START_TEST(test_gap)
+CHECK_TEST(test_gap)
 {
   const Sound sound = film(3);
   listen::Listener listener(catalogue(), kRate);
@@ -283,11 +276,10 @@ GST_START_TEST(test_gap)
   const auto all = hear(listener, from(sound, 15), kRate, 12s); // it stood for two seconds
   expect_film(all, 3, 1, 1);
 }
-GST_END_TEST;
 
 /// Two films that are the same to the ear are not told apart; of a copy the user is told, and the
 /// first one is found.
-GST_START_TEST(test_alike)
+CHECK_TEST(test_alike)
 {
   const Sound sound = film(3);
   Random random(4);
@@ -314,9 +306,8 @@ GST_START_TEST(test_alike)
   listen::Listener of_copies(copies, kRate);
   expect_film(hear(of_copies, played, kRate), 0, 1, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_entry)
+CHECK_TEST(test_entry)
 {
   const std::string bytes = learned(1);
   const auto entry = unwrap(listen::Entry::of(bytes));
@@ -335,10 +326,9 @@ GST_START_TEST(test_entry)
       && std::all_of(before->begin(), before->begin() + 10, [](int step) { return step == 0; }));
   fail_unless(entry.reference(1'000'000'000, 5)->size() == 5);
 }
-GST_END_TEST;
 
 /// Whatever is torn or says what cannot be.
-GST_START_TEST(test_hostile_entry)
+CHECK_TEST(test_hostile_entry)
 {
   const std::string bytes = learned(1);
   for (std::size_t size = 0; size < bytes.size(); size += size < 100 ? 1 : 997)
@@ -360,11 +350,10 @@ GST_START_TEST(test_hostile_entry)
   const auto entry = unwrap(listen::Entry::of(unwrap(listen::write_entry({ .sound = sound }))));
   fail_unless(entry.hashes(0).size() == 1 && entry.hashes(0)[0].frame == 10);
 }
-GST_END_TEST;
 
 /// So many votes that a search counts them in stretches of the time line: the place is found
 /// wherever it is, and what comes after a stretch is not missed.
-GST_START_TEST(test_stretches)
+CHECK_TEST(test_stretches)
 {
   constexpr std::int64_t kFrames = 62 * 600;
   constexpr std::size_t kCrowd = 120;
@@ -397,10 +386,9 @@ GST_START_TEST(test_stretches)
                   "film %zu", mine);
     }
 }
-GST_END_TEST;
 
 /// A catalogue takes no more memory than it may.
-GST_START_TEST(test_memory)
+CHECK_TEST(test_memory)
 {
   constexpr std::size_t kMost = std::size_t{ 4 } << 20;
   const std::vector<std::int64_t> films(100, 62 * 600);
@@ -418,31 +406,5 @@ GST_START_TEST(test_memory)
       kMost);
   fail_unless(index.bytes() <= kMost && index.bytes() > kMost / 2, "%zu bytes", index.bytes());
 }
-GST_END_TEST;
 
-static Suite *
-listen_suite()
-{
-  Suite *suite = suite_create("listen");
-  TCase *tcase = tcase_create("general");
-  tcase_set_timeout(tcase, 0);
-  tcase_add_test(tcase, test_delay);
-  tcase_add_test(tcase, test_weights);
-  tcase_add_test(tcase, test_any_rate);
-  tcase_add_test(tcase, test_television);
-  tcase_add_test(tcase, test_drift);
-  tcase_add_test(tcase, test_unknown);
-  tcase_add_test(tcase, test_noise);
-  tcase_add_test(tcase, test_seek);
-  tcase_add_test(tcase, test_pause);
-  tcase_add_test(tcase, test_gap);
-  tcase_add_test(tcase, test_alike);
-  tcase_add_test(tcase, test_entry);
-  tcase_add_test(tcase, test_hostile_entry);
-  tcase_add_test(tcase, test_stretches);
-  tcase_add_test(tcase, test_memory);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(listen);
+CHECK_MAIN_TIMEOUT(listen, 0)

@@ -15,6 +15,8 @@
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// `seconds` of film with `count` hashes at `frame`.
@@ -37,7 +39,7 @@ entry(const std::string &film, const listen::FilmSound &sound)
 } // namespace
 
 /// More films than a process may have files open.
-GST_START_TEST(test_files)
+CHECK_TEST(test_files)
 {
   const TemporaryFolder folder;
   rlimit before{};
@@ -58,10 +60,9 @@ GST_START_TEST(test_files)
   }
   fail_unless(setrlimit(RLIMIT_NOFILE, &before) == 0);
 }
-GST_END_TEST;
 
 /// Another file of its name is not read as the entry that it was.
-GST_START_TEST(test_replaced)
+CHECK_TEST(test_replaced)
 {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.heard", entry("a", crowd(1, 3)));
@@ -73,10 +74,9 @@ GST_START_TEST(test_replaced)
   std::filesystem::remove(path);
   fail_if(film.track().has_value());
 }
-GST_END_TEST;
 
 /// Of a second no more hashes count than tactile-track learn writes.
-GST_START_TEST(test_crowded)
+CHECK_TEST(test_crowded)
 {
   const auto film = unwrap(listen::Entry::of(entry("a", crowd(2, 100'000, 70))));
   for (unsigned rank = 0; rank < listen::kRanks; rank++)
@@ -86,10 +86,9 @@ GST_START_TEST(test_crowded)
   fail_unless(catalogue.index().bytes() < (std::size_t{ 3 } << 20), "%zu bytes",
               catalogue.index().bytes());
 }
-GST_END_TEST;
 
 /// Films without room are left out.
-GST_START_TEST(test_room)
+CHECK_TEST(test_room)
 {
   constexpr std::size_t kMost = std::size_t{ 3 } << 20;
   const std::vector<std::int64_t> films(2000, 62 * 600);
@@ -98,30 +97,14 @@ GST_START_TEST(test_room)
   fail_unless(index.bytes() <= kMost, "%zu bytes", index.bytes());
   fail_unless(index.films() > 50 && index.films() < 200, "%zu films", index.films());
 }
-GST_END_TEST;
 
 /// A listener that ends does not wait for its catalogue.
-GST_START_TEST(test_stops)
+CHECK_TEST(test_stops)
 {
   const std::vector<listen::Entry> films{ unwrap(listen::Entry::of(entry("a", crowd(1, 3)))) };
   fail_unless(listen::Catalogue(films).films().size() == 1);
   const listen::Catalogue none(films, listen::Catalogue::kMostBytes, [] { return true; });
   fail_unless(none.films().empty() && none.complaints().empty());
 }
-GST_END_TEST;
 
-static Suite *
-listen_bounds_suite()
-{
-  Suite *suite = suite_create("listen_bounds");
-  TCase *tcase = tcase_create("general");
-  tcase_add_test(tcase, test_files);
-  tcase_add_test(tcase, test_replaced);
-  tcase_add_test(tcase, test_crowded);
-  tcase_add_test(tcase, test_room);
-  tcase_add_test(tcase, test_stops);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(listen_bounds);
+CHECK_MAIN(listen_bounds)

@@ -3,10 +3,12 @@
 
 #include "support/contains.h"
 
+#include "support/check_tests.h"
+
 using tactor::read_mapping;
 using tactor::write_mapping;
 
-GST_START_TEST(test_forms)
+CHECK_TEST(test_forms)
 {
   const std::vector<int> mirrored{ 2, 1, 0, -1 };
   for (const char *text : { "2,1,0,-1", "<2,1,0,-1>", "< 2, 1, 0, -1 >", " 2 ,\t1,0,-1\n" })
@@ -16,9 +18,8 @@ GST_START_TEST(test_forms)
   assert_text(write_mapping(mirrored), "2,1,0,-1");
   assert_text(write_mapping({}), "");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const auto refused = [](const char *text, const char *word) {
     const auto mapping = read_mapping(text, 12);
@@ -38,17 +39,5 @@ GST_START_TEST(test_refused)
   refused("99999999999", "number 1 is '99999999999'");
   refused("left", "number 1 is 'left'");
 }
-GST_END_TEST;
 
-static Suite *
-mapping_suite(void)
-{
-  Suite *suite = suite_create("mapping");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_forms);
-  tcase_add_test(tests, test_refused);
-  return suite;
-}
-
-GST_CHECK_MAIN(mapping)
+CHECK_MAIN(mapping)

@@ -10,7 +10,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -96,7 +96,7 @@ follow_film(ServerKind kind, Told told)
 
 } // namespace
 
-GST_START_TEST(test_query)
+CHECK_TEST(test_query)
 {
   const auto jellyfin = MediaServer::query(ServerKind::jellyfin, "abc");
   fail_unless(jellyfin.path == "Sessions"
@@ -105,9 +105,8 @@ GST_START_TEST(test_query)
   const auto of_plex = MediaServer::query(ServerKind::plex, "abc");
   fail_unless(of_plex.path == "status/sessions" && of_plex.headers[1].second == "application/json");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sessions)
+CHECK_TEST(test_sessions)
 {
   MediaServer server(ServerKind::jellyfin, "");
   fail_unless(heard(server, "[]").doing == Doing::stopped);
@@ -123,9 +122,8 @@ GST_START_TEST(test_sessions)
       heard(server, list(session("A", 2s, false, R"("MediaType":"Audio","Name":"Song")"))).doing
       == Doing::stopped);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_two_devices)
+CHECK_TEST(test_two_devices)
 {
   MediaServer server(ServerKind::emby, "");
   const std::string a = session("A", 1s);
@@ -146,11 +144,10 @@ GST_START_TEST(test_two_devices)
   fail_unless(heard(named, list(a + "," + b)).position == 2s && named.fault().empty());
   fail_unless(heard(named, list(a)).doing == Doing::stopped);
 }
-GST_END_TEST;
 
 /// Two sessions of one name, of which the server puts another one first each time; a path of
 /// Windows; a television that is switched off, which the server does not know.
-GST_START_TEST(test_sessions_of_one_name)
+CHECK_TEST(test_sessions_of_one_name)
 {
   const auto one = [](const char *id, const char *report, Time position) {
     return std::string(R"({"Id":")") + id + R"(","LastPlaybackCheckIn":")" + report + "\","
@@ -169,10 +166,9 @@ GST_START_TEST(test_sessions_of_one_name)
   fail_unless(heard(server, list(one("a", "t", 33s)), 32s).doing == Doing::stalled);
   fail_unless(heard(server, list(one("a", "v", 34s)), 33s).doing == Doing::playing);
 }
-GST_END_TEST;
 
 /// Positions that changed while the server did not answer are of no use, and that is reported.
-GST_START_TEST(test_slow_plex)
+CHECK_TEST(test_slow_plex)
 {
   MediaServer server(ServerKind::plex, "");
   heard(server, plex(0s), 1s);
@@ -181,9 +177,8 @@ GST_START_TEST(test_slow_plex)
   heard(server, plex(30s), 31100ms);
   fail_unless(server.fault().find("too slowly") != std::string::npos);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_plex)
+CHECK_TEST(test_plex)
 {
   MediaServer server(ServerKind::plex, "");
   fail_unless(heard(server, R"({"MediaContainer":{"size":0}})").doing == Doing::stopped);
@@ -200,9 +195,8 @@ GST_START_TEST(test_plex)
   MediaServer late(ServerKind::plex, "");
   fail_unless(!heard(late, plex(5s)).position, "it may be ten seconds old");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strange_answers)
+CHECK_TEST(test_strange_answers)
 {
   for (const ServerKind kind : kServerKinds)
     for (const char *answer :
@@ -223,11 +217,10 @@ GST_START_TEST(test_strange_answers)
       R"("NowPlayingItem":{"MediaType":"Video","Name":"Film"}}])");
   fail_unless(!report.position && report.doing == Doing::playing && report.rate == 1);
 }
-GST_END_TEST;
 
 /// The server adds a second after each second that its timer, 3 ms late, has counted; the player
 /// reports each 10 s. The delay of its reports cannot be known.
-GST_START_TEST(test_seconds)
+CHECK_TEST(test_seconds)
 {
   for (const Time late : { 0ms, 3ms })
     for (const Time begin : { 20ms, 77ms, 110ms }) {
@@ -242,9 +235,8 @@ GST_START_TEST(test_seconds)
       ck_assert_int_eq(result.gaps, 0);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ten_seconds)
+CHECK_TEST(test_ten_seconds)
 {
   const Result result = follow_film(
       ServerKind::plex, [](Time film) { return std::max(film - 20ms, Time(0)) / 10s * 10s; });
@@ -252,24 +244,5 @@ GST_START_TEST(test_ten_seconds)
   fail_unless(result.most_error < 20ms + 120ms, "error of %g s", 1e-9 * result.most_error.count());
   ck_assert_int_eq(result.gaps, 0);
 }
-GST_END_TEST;
 
-static Suite *
-media_server_suite()
-{
-  Suite *suite = suite_create("media_server");
-  TCase *tcase = tcase_create("general");
-  tcase_add_test(tcase, test_query);
-  tcase_add_test(tcase, test_sessions);
-  tcase_add_test(tcase, test_two_devices);
-  tcase_add_test(tcase, test_sessions_of_one_name);
-  tcase_add_test(tcase, test_plex);
-  tcase_add_test(tcase, test_slow_plex);
-  tcase_add_test(tcase, test_strange_answers);
-  tcase_add_test(tcase, test_seconds);
-  tcase_add_test(tcase, test_ten_seconds);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(media_server);
+CHECK_MAIN(media_server)

@@ -12,7 +12,9 @@
 #include "support/tolerance.h"
 #include "unlimited.h"
 
-GST_START_TEST(test_longest_on_time)
+#include "support/check_tests.h"
+
+CHECK_TEST(test_longest_on_time)
 {
   const MotorLimits limits{ .max_on_time = 2s, .max_duty = 0 };
   MotorUse use;
@@ -37,9 +39,8 @@ GST_START_TEST(test_longest_on_time)
   fail_unless(use.latest_end(7100ms, kNoLimits).time == Time::max());
   fail_unless(use.latest_end(7100ms, kNoLimits).limit == MotorUse::Limit::none);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_forget_and_age)
+CHECK_TEST(test_forget_and_age)
 {
   const MotorLimits limits{ .max_on_time = 2s, .max_duty = 0 };
   MotorUse use;
@@ -59,10 +60,9 @@ GST_START_TEST(test_forget_and_age)
   use.forget_from(700ms);
   fail_unless(use.off_since() == 700ms);
 }
-GST_END_TEST;
 
 /// MotorUse's end against a count of all past milliseconds.
-GST_START_TEST(test_duty_against_counting)
+CHECK_TEST(test_duty_against_counting)
 {
   std::mt19937 random(7);
   for (int play = 0; play < 60; play++) {
@@ -100,10 +100,9 @@ GST_START_TEST(test_duty_against_counting)
     }
   }
 }
-GST_END_TEST;
 
 /// More stretches than MotorUse stores: what it forgets counts as on.
-GST_START_TEST(test_many_stretches_err_on_the_safe_side)
+CHECK_TEST(test_many_stretches_err_on_the_safe_side)
 {
   const MotorLimits limits{ .max_on_time = 0s, .max_duty = 0.4 };
   MotorUse use;
@@ -121,19 +120,5 @@ GST_START_TEST(test_many_stretches_err_on_the_safe_side)
   fail_unless(fullest_minute(all) <= 24s);
   fail_unless(on >= 12s); // half of 24 s a minute, since breaks count as on
 }
-GST_END_TEST;
 
-static Suite *
-motor_limits_suite(void)
-{
-  Suite *suite = suite_create("motor_limits");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_longest_on_time);
-  tcase_add_test(tests, test_forget_and_age);
-  tcase_add_test(tests, test_duty_against_counting);
-  tcase_add_test(tests, test_many_stretches_err_on_the_safe_side);
-  return suite;
-}
-
-GST_CHECK_MAIN(motor_limits)
+CHECK_MAIN(motor_limits)

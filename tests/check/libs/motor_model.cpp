@@ -7,6 +7,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -46,7 +48,7 @@ reaches(const MotorModel &motor, double volts, Time begin, Time end)
 
 } // namespace
 
-GST_START_TEST(test_at_rest)
+CHECK_TEST(test_at_rest)
 {
   MotorModel motor;
   fail_unless(motor.volts() == 0);
@@ -55,9 +57,8 @@ GST_START_TEST(test_at_rest)
   motor.set(1s, 0);
   fail_unless(motor.amplitude(2s) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rises_within_rise_time)
+CHECK_TEST(test_rises_within_rise_time)
 {
   const RiseTime quadratic;
   for (double start = 0; start < 3.0; start += start == 0 ? 0.5 : 0.1)
@@ -74,9 +75,8 @@ GST_START_TEST(test_rises_within_rise_time)
       fail_unless_near(motor.amplitude(5s + kForever), target, 1e-9);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rises_exponentially)
+CHECK_TEST(test_rises_exponentially)
 {
   // From rest 10 % of the step remain after one rise time, 1 % after two, 0.1 % after three.
   MotorModel motor(constant(60));
@@ -87,9 +87,8 @@ GST_START_TEST(test_rises_exponentially)
   fail_unless_near(motor.amplitude(1s + 120ms), 1.98, 1e-12);
   fail_unless_near(motor.amplitude(1s + 180ms), 1.998, 1e-12);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rise_times_from_a_table)
+CHECK_TEST(test_rise_times_from_a_table)
 {
   for (const double ms : { 0.001, 1.0, 60.0, 5000.0 }) {
     MotorModel motor = settled(1.0, constant(ms));
@@ -101,9 +100,8 @@ GST_START_TEST(test_rise_times_from_a_table)
   fail_unless(jumps.amplitude(1s) == 2.5);
   fail_unless(jumps.amplitude(2s) == 2.5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_falls_within_a_frame)
+CHECK_TEST(test_falls_within_a_frame)
 {
   fail_unless(kFallTime == 30ms);
   for (double start = 0.6; start <= 3.0; start += 0.1)
@@ -122,9 +120,8 @@ GST_START_TEST(test_falls_within_a_frame)
     fail_unless_near(motor.amplitude(kForever), 0, 1e-9);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rise_that_is_nearly_done)
+CHECK_TEST(test_rise_that_is_nearly_done)
 {
   // After a step from 90 % or more, 10 % of it remain after 30 ms, too.
   for (const double start : { 1.81, 1.9, 1.99 }) {
@@ -133,9 +130,8 @@ GST_START_TEST(test_rise_that_is_nearly_done)
     fail_unless_near(motor.amplitude(30ms), 2.0 - 0.1 * (2.0 - start), 1e-9);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_start_below_half_a_volt)
+CHECK_TEST(test_no_start_below_half_a_volt)
 {
   MotorModel motor;
   motor.set(0s, 0.4999);
@@ -144,9 +140,8 @@ GST_START_TEST(test_no_start_below_half_a_volt)
   motor.set(1s, 0.5);
   fail_unless(motor.amplitude(1s + kForever) > 0.49);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_retarget_is_continuous)
+CHECK_TEST(test_retarget_is_continuous)
 {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> volts(0.0, 3.0);
@@ -164,9 +159,8 @@ GST_START_TEST(test_retarget_is_continuous)
     fail_unless(before >= 0 && before <= 3.0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_retarget_during_a_rise)
+CHECK_TEST(test_retarget_during_a_rise)
 {
   // From rest to 2 V in 60 ms. At 1 V the target becomes 3 V, again in 60 ms: 3 − 2 · (0.3 / 2)^(t
   // / 60 ms).
@@ -179,9 +173,8 @@ GST_START_TEST(test_retarget_during_a_rise)
     fail_unless_near(motor.amplitude(half + Time(std::llround(share * 60e6))),
                      3.0 - 2.0 * std::pow(0.15, share), 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_times_that_go_back)
+CHECK_TEST(test_times_that_go_back)
 {
   // A time before the last command counts as that command's time.
   MotorModel back;
@@ -199,9 +192,8 @@ GST_START_TEST(test_times_that_go_back)
   fail_unless(back.amplitude(Time::min()) == back.amplitude(200ms));
   fail_unless(back.amplitude(0s) == back.amplitude(200ms));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_same_voltage_again)
+CHECK_TEST(test_same_voltage_again)
 {
   MotorModel twice;
   MotorModel once;
@@ -211,11 +203,10 @@ GST_START_TEST(test_same_voltage_again)
   for (Time time = 0s; time < 500ms; time += 3ms)
     fail_unless(twice.amplitude(time) == once.amplitude(time));
 }
-GST_END_TEST;
 
 // Stiction: a motor at rest needs its start voltage, a turning one goes on down to its hold
 // voltage.
-GST_START_TEST(start_and_hold_volts_are_each_motors_own)
+CHECK_TEST(start_and_hold_volts_are_each_motors_own)
 {
   const RiseTimeTable table{
     .step_volts = 3, .size = 2, .milliseconds = { 60, 60, 60, 60 }, .least_volts = 0.3
@@ -234,27 +225,5 @@ GST_START_TEST(start_and_hold_volts_are_each_motors_own)
   motor.set(6s, 0.4); // at rest, and below the start voltage
   fail_unless(motor.amplitude(8s) < 1e-6);
 }
-GST_END_TEST
 
-static Suite *
-motor_model_suite(void)
-{
-  Suite *suite = suite_create("motor_model");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_at_rest);
-  tcase_add_test(tests, test_rises_within_rise_time);
-  tcase_add_test(tests, test_rises_exponentially);
-  tcase_add_test(tests, test_rise_times_from_a_table);
-  tcase_add_test(tests, test_falls_within_a_frame);
-  tcase_add_test(tests, test_rise_that_is_nearly_done);
-  tcase_add_test(tests, test_no_start_below_half_a_volt);
-  tcase_add_test(tests, test_retarget_is_continuous);
-  tcase_add_test(tests, test_retarget_during_a_rise);
-  tcase_add_test(tests, test_times_that_go_back);
-  tcase_add_test(tests, test_same_voltage_again);
-  tcase_add_test(tests, start_and_hold_volts_are_each_motors_own);
-  return suite;
-}
-
-GST_CHECK_MAIN(motor_model)
+CHECK_MAIN(motor_model)

@@ -9,6 +9,8 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
@@ -51,15 +53,14 @@ effect(const std::string &attributes, const std::string &dim, const std::string 
 
 } // namespace
 
-GST_START_TEST(test_reference_file)
+CHECK_TEST(test_reference_file)
 {
   fail_unless(read_sem(reference()) == two_tactors());
   fail_unless(words(write_sem(two_tactors())) == words(reference()), "%s",
               write_sem(two_tactors()).c_str());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   for (unsigned seed = 0; seed < 100; seed++) {
     const Track track = random_track(seed, 1ms, 0);
@@ -68,9 +69,8 @@ GST_START_TEST(test_round_trip)
   const Track empty(2, 5);
   fail_unless(read_sem(write_sem(empty)) == empty);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rows_are_samples)
+CHECK_TEST(test_rows_are_samples)
 {
   const Track track = *read_sem(document(
       effect("si:pts=\"100\" duration=\"500\" timeSamples=\"4\"", "2 2", "\n0 0.5\n1 0\n")));
@@ -91,11 +91,10 @@ GST_START_TEST(test_rows_are_samples)
       document(effect("activate=\"false\" si:pts=\"0\" duration=\"500\"", "1 2", "1 1")));
   fail_unless(is_silent(inactive.at(0s)) && inactive.end() == 500ms);
 }
-GST_END_TEST;
 
 /// One motor for all, as tools such as PlaySEM write it: on until it is turned off, changes its
 /// strength or reaches its duration.
-GST_START_TEST(test_vibrations)
+CHECK_TEST(test_vibrations)
 {
   const auto vibration = [](const std::string &attributes) {
     return "\n<Effect xsi:type=\"sev:VibrationType\" " + attributes + "/>";
@@ -126,9 +125,8 @@ GST_START_TEST(test_vibrations)
                                      + vibration("si:pts=\"8\" duration=\"9\""))),
                    "line 10", "overlaps");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const std::string when = "si:pts=\"0\" duration=\"500\"";
   ASSERT_COMPLAINT(read_sem(""), "line 1", "");
@@ -174,9 +172,8 @@ GST_START_TEST(test_refused)
       read_sem("<!DOCTYPE SEM [<!ENTITY a SYSTEM \"file:///etc/passwd\">]><SEM>&a;</SEM>"),
       "line 1", "DTD");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_format_by_name)
+CHECK_TEST(test_format_by_name)
 {
   fail_unless(track_format("/a.b/film.vtt") == TrackFormat::webvtt);
   fail_unless(track_format("film.csv") == TrackFormat::csv);
@@ -187,10 +184,9 @@ GST_START_TEST(test_format_by_name)
   ASSERT_COMPLAINT(read_track_file("/nowhere/film.vtt"), "'/nowhere/film.vtt'", "No such file");
   fail_unless(read_track_file(data_file("seat9.sem.xml")) == two_tactors());
 }
-GST_END_TEST;
 
 /// A map that lasts for hours at a high rate has less text.
-GST_START_TEST(test_long_map)
+CHECK_TEST(test_long_map)
 {
   Track track(1, 2);
   track.set_rate(1000);
@@ -202,22 +198,5 @@ GST_START_TEST(test_long_map)
   fail_unless(read.has_value(), "%s", read ? "" : read.error().text().c_str());
   fail_unless(*read == track);
 }
-GST_END_TEST;
 
-static Suite *
-mpegv_sem_suite(void)
-{
-  Suite *suite = suite_create("mpegv_sem");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_long_map);
-  tcase_add_test(tests, test_reference_file);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_rows_are_samples);
-  tcase_add_test(tests, test_vibrations);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_format_by_name);
-  return suite;
-}
-
-GST_CHECK_MAIN(mpegv_sem)
+CHECK_MAIN(mpegv_sem)

@@ -14,7 +14,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -165,7 +165,7 @@ has_position(const Report &report)
 
 } // namespace
 
-GST_START_TEST(test_asks_while_it_plays)
+CHECK_TEST(test_asks_while_it_plays)
 {
   Stage stage;
   stage.own(kName);
@@ -193,9 +193,8 @@ GST_START_TEST(test_asks_while_it_plays)
   stage.tell_change("PlaybackStatus", g_variant_new_string("Stopped"));
   stage.wait_for([](const Report &one) { return one.doing == Doing::stopped; });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Stage stage;
   stage.own(kName);
@@ -206,10 +205,9 @@ GST_START_TEST(test_seek)
   const Report report = stage.wait_for([](const Report &one) { return one.sought; });
   ck_assert(report.position == 300s);
 }
-GST_END_TEST;
 
 /// Chromium's picture is behind the position that it tells, which it renews now and then.
-GST_START_TEST(test_known_player)
+CHECK_TEST(test_known_player)
 {
   constexpr const char *kChromium = "org.mpris.MediaPlayer2.chromium.instance7";
   Stage stage;
@@ -221,10 +219,9 @@ GST_START_TEST(test_known_player)
   stage.tell_seek(10'000);
   ck_assert(stage.wait_for([](const Report &one) { return one.sought; }).position == 0s);
 }
-GST_END_TEST;
 
 /// What is no time is none, and what is of another type than it should be is left out.
-GST_START_TEST(test_nonsense)
+CHECK_TEST(test_nonsense)
 {
   const MprisPosition meaning;
   for (const gint64 microseconds : { gint64{ -1 }, G_MAXINT64, G_MININT64 }) {
@@ -251,10 +248,9 @@ GST_START_TEST(test_nonsense)
   state.take(titled);
   ck_assert(state.report(1s).film == "A film");
 }
-GST_END_TEST;
 
 /// Whatever number it is.
-GST_START_TEST(test_types)
+CHECK_TEST(test_types)
 {
   const auto is = [](GVariant *value, double number) {
     g_autoptr(GVariant) owned = g_variant_ref_sink(value);
@@ -275,7 +271,6 @@ GST_START_TEST(test_types)
   stage.tell_seek(300'000'000);
   ck_assert(stage.wait_for([](const Report &one) { return one.sought; }).position == 300s);
 }
-GST_END_TEST;
 
 namespace {
 /// A film that plays from ten seconds on and is asked after each 155 ms. What is told, and what
@@ -292,7 +287,7 @@ heard(MprisPosition &meaning, Time from, Time to, double rate,
 } // namespace
 
 /// The unit is that by which the position goes as fast as the film.
-GST_START_TEST(test_units)
+CHECK_TEST(test_units)
 {
   struct Case
   {
@@ -323,10 +318,9 @@ GST_START_TEST(test_units)
       ck_assert_str_eq(meaning.fault().c_str(), "");
     }
 }
-GST_END_TEST;
 
 /// A position that is of no use is called so, after a while, and no longer when it is one.
-GST_START_TEST(test_no_usable_position)
+CHECK_TEST(test_no_usable_position)
 {
   const std::pair<std::function<std::optional<double>(Time)>, const char *> cases[] = {
     { [](Time) { return 0.0; }, "stays the same" },
@@ -349,10 +343,9 @@ GST_START_TEST(test_no_usable_position)
     ck_assert_str_eq(meaning.fault().c_str(), "");
   }
 }
-GST_END_TEST;
 
 /// Players that were there before, that come and that go.
-GST_START_TEST(test_bus)
+CHECK_TEST(test_bus)
 {
   Stage stage;
   stage.own(kName);
@@ -379,10 +372,9 @@ GST_START_TEST(test_bus)
   for (const std::string &name : told)
     fail_if(name.find("no_player") != std::string::npos);
 }
-GST_END_TEST;
 
 /// VLC has two names. It is one player, by the name that is wanted.
-GST_START_TEST(test_two_names)
+CHECK_TEST(test_two_names)
 {
   constexpr const char *kSecond = "org.mpris.MediaPlayer2.fake.instance7";
   Stage stage;
@@ -422,25 +414,5 @@ GST_START_TEST(test_two_names)
   ck_assert((later == std::vector{ first_came, first_went }));
   ck_assert_int_eq(static_cast<int>(second.size()), 2);
 }
-GST_END_TEST;
 
-static Suite *
-mpris_player_suite(void)
-{
-  Suite *suite = suite_create("mpris_player");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_asks_while_it_plays);
-  tcase_add_test(tcase, test_seek);
-  tcase_add_test(tcase, test_known_player);
-  tcase_add_test(tcase, test_nonsense);
-  tcase_add_test(tcase, test_types);
-  tcase_add_test(tcase, test_units);
-  tcase_add_test(tcase, test_no_usable_position);
-  tcase_add_test(tcase, test_bus);
-  tcase_add_test(tcase, test_two_names);
-  return suite;
-}
-
-GST_CHECK_MAIN(mpris_player);
+CHECK_MAIN(mpris_player)

@@ -7,7 +7,7 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -51,7 +51,7 @@ struct Talk
 
 } // namespace
 
-GST_START_TEST(test_questions)
+CHECK_TEST(test_questions)
 {
   const std::string questions = MpvConversation::questions();
   fail_unless(questions.starts_with(R"({"command":["observe_property",1,"working-directory"]})"
@@ -59,9 +59,8 @@ GST_START_TEST(test_questions)
   fail_unless(questions.ends_with(R"({"command":["observe_property",9,"time-pos"]})"
                                   "\n"));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_play)
+CHECK_TEST(test_play)
 {
   Talk talk;
   talk.tells_nothing(R"({"request_id":0,"error":"success"})");
@@ -83,11 +82,10 @@ GST_START_TEST(test_play)
   ck_assert(talk.property("pause", "false").doing == Doing::stalled);
   ck_assert(talk.property("core-idle", "false").doing == Doing::playing);
 }
-GST_END_TEST;
 
 /// mpv reports the properties one after the other: a film that waits in a pause never seems to
 /// play.
-GST_START_TEST(test_paused_at_first)
+CHECK_TEST(test_paused_at_first)
 {
   Talk talk;
   for (const auto &[name, data] :
@@ -101,10 +99,9 @@ GST_START_TEST(test_paused_at_first)
     fail_if(talk.property(name, data).doing == Doing::playing, "%s", name);
   ck_assert(talk.property("time-pos", "9.000000").doing == Doing::paused);
 }
-GST_END_TEST;
 
 /// It tells a frame while the one before is on the screen.
-GST_START_TEST(test_frame_ahead)
+CHECK_TEST(test_frame_ahead)
 {
   Talk talk;
   talk.play();
@@ -118,11 +115,10 @@ GST_START_TEST(test_frame_ahead)
     ck_assert(other.property("time-pos", "5.040000").position == 5040ms);
   }
 }
-GST_END_TEST;
 
 /// Frames that are far apart, as mpv 0.35.1 told those of a film whose container has 30 a second: a
 /// short one came 33 ms before its time, one after 567 ms 50 ms before.
-GST_START_TEST(test_variable_frame_rate)
+CHECK_TEST(test_variable_frame_rate)
 {
   Talk talk;
   talk.play();
@@ -141,10 +137,9 @@ GST_START_TEST(test_variable_frame_rate)
   talk.tells(R"({"event":"playback-restart"})");
   ck_assert(talk.property("time-pos", "9.000000").position == 8900ms);
 }
-GST_END_TEST;
 
 /// While a frame lasts, mpv is asked whether it still plays.
-GST_START_TEST(test_life_sign)
+CHECK_TEST(test_life_sign)
 {
   ck_assert(MpvConversation::life_sign()
             == R"({"command":["get_property","core-idle"],"request_id":1000})"
@@ -161,10 +156,9 @@ GST_START_TEST(test_life_sign)
   fail_if(talk.talk.plays());
   talk.tells_nothing(R"({"data":false,"request_id":999,"error":"success"})");
 }
-GST_END_TEST;
 
 /// Where it seeks to is told before the film is there.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   Talk talk;
   talk.play();
@@ -185,10 +179,9 @@ GST_START_TEST(test_seek)
   report = talk.property("time-pos", "8.083000");
   ck_assert(report.position == 8042ms && !report.sought);
 }
-GST_END_TEST;
 
 /// A seek so quick that no property changes.
-GST_START_TEST(test_quick_seek)
+CHECK_TEST(test_quick_seek)
 {
   Talk talk;
   talk.play();
@@ -197,9 +190,8 @@ GST_START_TEST(test_quick_seek)
   const Report report = talk.property("time-pos", "8.000000");
   ck_assert(report.position == 8s && report.sought);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_films)
+CHECK_TEST(test_films)
 {
   Talk talk;
   talk.play();
@@ -221,9 +213,8 @@ GST_START_TEST(test_films)
   // Without a film, none has a time.
   fail_if(talk.property("time-pos", "null").position.has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nonsense)
+CHECK_TEST(test_nonsense)
 {
   Talk talk;
   talk.play();
@@ -239,9 +230,8 @@ GST_START_TEST(test_nonsense)
   for (const char *data : { "null", "\"fast\"", "[]" })
     ck_assert(talk.property("speed", data).rate == 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_lines)
+CHECK_TEST(test_lines)
 {
   LineBuffer lines;
   fail_if(lines.next().has_value());
@@ -255,27 +245,5 @@ GST_START_TEST(test_lines)
   fail_unless(lines.add(std::string(LineBuffer::kLongestLine, 'x')));
   fail_if(lines.add("x"));
 }
-GST_END_TEST;
 
-static Suite *
-mpv_conversation_suite(void)
-{
-  Suite *suite = suite_create("mpv_conversation");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_questions);
-  tcase_add_test(tcase, test_play);
-  tcase_add_test(tcase, test_paused_at_first);
-  tcase_add_test(tcase, test_frame_ahead);
-  tcase_add_test(tcase, test_variable_frame_rate);
-  tcase_add_test(tcase, test_life_sign);
-  tcase_add_test(tcase, test_seek);
-  tcase_add_test(tcase, test_quick_seek);
-  tcase_add_test(tcase, test_films);
-  tcase_add_test(tcase, test_nonsense);
-  tcase_add_test(tcase, test_lines);
-  return suite;
-}
-
-GST_CHECK_MAIN(mpv_conversation);
+CHECK_MAIN(mpv_conversation)

@@ -10,10 +10,12 @@
 #include <cmath>
 #include <utility>
 
+#include "support/check_tests.h"
+
 using oracle::Image;
 using saliency::NoiseFloor;
 
-GST_START_TEST(test_constant_activity)
+CHECK_TEST(test_constant_activity)
 {
   // Smoothed, it rises as 1 − e^(−t/4), so the least of a stretch is its first, and the least of
   // the last seven stretches is the oldest's.
@@ -31,9 +33,8 @@ GST_START_TEST(test_constant_activity)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pause)
+CHECK_TEST(test_pause)
 {
   // Activity that paused in one of the last seven stretches of 30 frames is lowered only by what
   // smoothing leaves of it. The pause ends in the stretch from 240 to 270, which counts until 450.
@@ -50,9 +51,8 @@ GST_START_TEST(test_pause)
       fail_unless_near(map.at<float>(0), 0, 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_strong_activity)
+CHECK_TEST(test_strong_activity)
 {
   // An event of 40 above constant activity of that strength.
   for (const auto &[activity, lowered] : { std::pair{ 0.5, 3.5 },
@@ -73,9 +73,8 @@ GST_START_TEST(test_strong_activity)
     fail_unless_near(map.at<float>(9), std::max(0.0, activity - lowered), 1e-3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reach_and_reset)
+CHECK_TEST(test_reach_and_reset)
 {
   // Activity at (8, 6) lowers an event up to 5 of 20 samples away.
   NoiseFloor floor;
@@ -98,19 +97,5 @@ GST_START_TEST(test_reach_and_reset)
     fail_unless_near(lowered(3).at<float>(6, 8), 3, 0);
   fail_unless(lowered(3).at<float>(6, 8) < 3);
 }
-GST_END_TEST;
 
-static Suite *
-noise_floor_suite(void)
-{
-  Suite *suite = suite_create("noise_floor");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_constant_activity);
-  tcase_add_test(tc, test_pause);
-  tcase_add_test(tc, test_strong_activity);
-  tcase_add_test(tc, test_reach_and_reset);
-  return suite;
-}
-
-GST_CHECK_MAIN(noise_floor);
+CHECK_MAIN(noise_floor)

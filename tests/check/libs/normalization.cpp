@@ -4,6 +4,8 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using oracle::Image;
 
 namespace {
@@ -34,7 +36,7 @@ with_peaks(std::initializer_list<Peak> peaks, double ground = 0)
 
 } // namespace
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   unsigned seed = 0;
   for (const auto &[width, height] :
@@ -45,9 +47,8 @@ GST_START_TEST(test_brute_force)
         fail_unless_at_most(oracle::difference(normalized(image), oracle::itti(image)), 1e-5);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_smooth_maps)
+CHECK_TEST(test_smooth_maps)
 {
   // Smooth maps have few maxima, as contrast maps do.
   for (unsigned seed = 0; seed < 50; ++seed) {
@@ -59,24 +60,21 @@ GST_START_TEST(test_smooth_maps)
     fail_unless_at_most(oracle::difference(normalized(image), oracle::itti(image)), 1e-5);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_peak_stays)
+CHECK_TEST(test_one_peak_stays)
 {
   const cv::Mat map = normalized(with_peaks({ { 4, 5, 37.5 } }));
   fail_unless_near(map.at<float>(5, 4), 1, 0);
   fail_unless_near(cv::sum(map)[0], 1, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_two_equal_peaks_vanish)
+CHECK_TEST(test_two_equal_peaks_vanish)
 {
   const cv::Mat map = normalized(with_peaks({ { 2, 2, 37.5 }, { 9, 7, 37.5 } }));
   fail_unless_near(cv::norm(map, cv::NORM_INF), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_other_peaks_suppress)
+CHECK_TEST(test_other_peaks_suppress)
 {
   // Other maxima of 1/2 and 1/4 of the span: m̄ = 3/8, so the factor is (5/8)². The background is
   // the zero of the scale.
@@ -87,17 +85,15 @@ GST_START_TEST(test_other_peaks_suppress)
   fail_unless_near(map.at<float>(7, 9), factor / 4, 1e-6);
   fail_unless_near(map.at<float>(0, 0), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_three_equal_peaks_vanish)
+CHECK_TEST(test_three_equal_peaks_vanish)
 {
   // Only one of the equal global maxima is excluded from m̄.
   const cv::Mat map = normalized(with_peaks({ { 2, 2, 8 }, { 9, 7, 8 }, { 5, 5, 8 } }));
   fail_unless_near(cv::norm(map, cv::NORM_INF), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_maximum_on_border_or_plateau)
+CHECK_TEST(test_maximum_on_border_or_plateau)
 {
   // The global maximum is not a local one here, so nothing is excluded from m̄ = 1/2.
   for (const auto &image : { with_peaks({ { 0, 4, 8 }, { 6, 4, 4 } }),
@@ -107,9 +103,8 @@ GST_START_TEST(test_maximum_on_border_or_plateau)
     fail_unless_near(highest, 0.25, 1e-6);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rounding_is_no_maximum)
+CHECK_TEST(test_rounding_is_no_maximum)
 {
   // Two equal peaks vanish, also on a background that is flat except for rounding errors.
   Image image = with_peaks({ { 2, 2, 37.5 }, { 9, 7, 37.5 } });
@@ -117,9 +112,8 @@ GST_START_TEST(test_rounding_is_no_maximum)
     image(2 + 2 * i, 5) = 3e-5;
   fail_unless_near(cv::norm(normalized(image), cv::NORM_INF), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flat)
+CHECK_TEST(test_flat)
 {
   for (const double value : { 0.0, 1.0, -3.0, 250.0 })
     fail_unless_near(cv::norm(normalized(Image(7, 5, value)), cv::NORM_INF), 0, 0);
@@ -127,24 +121,5 @@ GST_START_TEST(test_flat)
   fail_unless_near(cv::norm(normalized(with_peaks({ { 3, 3, 3e-5 } })), cv::NORM_INF), 0, 0);
   fail_unless_near(cv::norm(normalized(with_peaks({ { 3, 3, 3e-3 } })), cv::NORM_INF), 1, 0);
 }
-GST_END_TEST;
 
-static Suite *
-normalization_suite(void)
-{
-  Suite *suite = suite_create("normalization");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_smooth_maps);
-  tcase_add_test(tc, test_one_peak_stays);
-  tcase_add_test(tc, test_two_equal_peaks_vanish);
-  tcase_add_test(tc, test_other_peaks_suppress);
-  tcase_add_test(tc, test_three_equal_peaks_vanish);
-  tcase_add_test(tc, test_maximum_on_border_or_plateau);
-  tcase_add_test(tc, test_rounding_is_no_maximum);
-  tcase_add_test(tc, test_flat);
-  return suite;
-}
-
-GST_CHECK_MAIN(normalization);
+CHECK_MAIN(normalization)

@@ -4,11 +4,11 @@
 #include <optional>
 #include <thread>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactor::OpeningTurn;
 
-GST_START_TEST(test_in_order)
+CHECK_TEST(test_in_order)
 {
   const std::stop_token never;
   std::optional<OpeningTurn> first(std::in_place);
@@ -35,16 +35,5 @@ GST_START_TEST(test_in_order)
   stop.request_stop();
   fail_if(fourth.wait(stop.get_token()));
 }
-GST_END_TEST;
 
-static Suite *
-opening_turn_suite(void)
-{
-  Suite *suite = suite_create("opening_turn");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_in_order);
-  return suite;
-}
-
-GST_CHECK_MAIN(opening_turn)
+CHECK_MAIN(opening_turn)

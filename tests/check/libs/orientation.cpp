@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactile::Orientation;
 using tactile::TactileMap;
@@ -32,7 +32,7 @@ constexpr Orientation kClockwise{ .transposed = true,
 
 } // namespace
 
-GST_START_TEST(test_by_hand)
+CHECK_TEST(test_by_hand)
 {
   const TactileMap stored = map_of(2, 3, { 1, 2, 3, 4, 5, 6 });
   fail_unless(turned(stored, {}) == stored);
@@ -51,9 +51,8 @@ GST_START_TEST(test_by_hand)
     map = turned(map, kClockwise);
   fail_unless(map == stored);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_turn_back)
+CHECK_TEST(test_turn_back)
 {
   const TactileMap stored = map_of(2, 3, { 1, 2, 3, 4, 5, 6 });
   for (int bits = 0; bits < 8; bits++) {
@@ -65,17 +64,5 @@ GST_START_TEST(test_turn_back)
     fail_unless(back == stored, "%d", bits);
   }
 }
-GST_END_TEST;
 
-static Suite *
-orientation_suite(void)
-{
-  Suite *suite = suite_create("orientation");
-  TCase *general = tcase_create("general");
-  suite_add_tcase(suite, general);
-  tcase_add_test(general, test_by_hand);
-  tcase_add_test(general, test_turn_back);
-  return suite;
-}
-
-GST_CHECK_MAIN(orientation)
+CHECK_MAIN(orientation)

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using oracle::Image;
 using saliency::LevelPair;
 using saliency::Paper;
@@ -50,7 +52,7 @@ temporal_contrast(const std::vector<Image> &maps)
 
 /// Σ N(C(c, s)) for c ∈ {2,3,4}, s = c + {3,4}, in double precision; also of frames whose pyramid
 /// is shorter.
-GST_START_TEST(test_spatial)
+CHECK_TEST(test_spatial)
 {
   for (const cv::Size size : { cv::Size(1, 1),
                                { 1, 30 },
@@ -81,10 +83,9 @@ GST_START_TEST(test_spatial)
     fail_unless(e <= 1e-3, "%dx%d: %g", size.width, size.height, e);
   }
 }
-GST_END_TEST;
 
 /// Rounding errors of a gray picture are no contrast: N(·) would scale them to 1.
-GST_START_TEST(test_flat_picture)
+CHECK_TEST(test_flat_picture)
 {
   const cv::Size size(40, 30);
   oracle::LabImage gray{ Image(size.width, size.height, 53.6), Image(size.width, size.height, 1e-5),
@@ -98,11 +99,10 @@ GST_START_TEST(test_flat_picture)
   fail_unless_at_most(cv::norm(map, cv::NORM_INF), 1e-4);
   fail_unless_at_most(cv::norm(paper.spatiotemporal(map), cv::NORM_INF), 1e-4);
 }
-GST_END_TEST;
 
 /// "A level-n image averages the spatial saliency maps of 2ⁿ previous frames including the current
 /// frame." Map i has the value i everywhere.
-GST_START_TEST(test_temporal_pyramid)
+CHECK_TEST(test_temporal_pyramid)
 {
   Paper paper;
   for (int i = 0; i < 200; ++i) {
@@ -114,9 +114,8 @@ GST_START_TEST(test_temporal_pyramid)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_spatiotemporal)
+CHECK_TEST(test_spatiotemporal)
 {
   Paper paper;
   std::vector<Image> maps;
@@ -128,11 +127,10 @@ GST_START_TEST(test_spatiotemporal)
       fail_unless_at_most(oracle::difference(paper.temporal_level(n), mean_of(maps, 1 << n)), 1e-4);
   }
 }
-GST_END_TEST;
 
 /// A ball that has long been there vanishes: the paper's windows have a ghost of 64 frames. N(·)
 /// empties an even map, so there is a second sample, which stands still.
-GST_START_TEST(test_ghost)
+CHECK_TEST(test_ghost)
 {
   Paper paper;
   for (int i = 0; i < 200; ++i) {
@@ -145,9 +143,8 @@ GST_START_TEST(test_ghost)
     fail_unless(found.at<float>(1) == 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reset)
+CHECK_TEST(test_reset)
 {
   Paper paper;
   for (int i = 0; i < 70; ++i)
@@ -158,10 +155,9 @@ GST_START_TEST(test_reset)
   paper.spatiotemporal(oracle::to_mat(Image(5, 1, 21)));
   fail_unless_near(paper.temporal_level(3).at<float>(0), 15, 1e-5);
 }
-GST_END_TEST;
 
 /// After a million frames, nine hours at 30 fps, means are exact to float's precision.
-GST_START_TEST(test_long_run)
+CHECK_TEST(test_long_run)
 {
   constexpr int kFrames = 1'000'000;
   const auto value = [](int i) {
@@ -183,22 +179,5 @@ GST_START_TEST(test_long_run)
     fail_unless_near(mean.at<float>(1), 255, 0);
   }
 }
-GST_END_TEST;
 
-static Suite *
-paper_suite(void)
-{
-  Suite *suite = suite_create("paper");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_spatial);
-  tcase_add_test(tc, test_flat_picture);
-  tcase_add_test(tc, test_temporal_pyramid);
-  tcase_add_test(tc, test_spatiotemporal);
-  tcase_add_test(tc, test_ghost);
-  tcase_add_test(tc, test_reset);
-  tcase_add_test(tc, test_long_run);
-  return suite;
-}
-
-GST_CHECK_MAIN(paper);
+CHECK_MAIN(paper)

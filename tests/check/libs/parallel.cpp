@@ -7,9 +7,9 @@
 
 #include "quality/parallel.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
-GST_START_TEST(test_each_once)
+CHECK_TEST(test_each_once)
 {
   for (const int threads : { 1, 3 }) {
     std::vector<std::atomic<int>> calls(20);
@@ -18,9 +18,8 @@ GST_START_TEST(test_each_once)
       ck_assert_int_eq(number, 1);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_own_work)
+CHECK_TEST(test_own_work)
 {
   // No thread uses the work of another.
   std::atomic<int> works{ 0 };
@@ -35,9 +34,8 @@ GST_START_TEST(test_own_work)
   ck_assert_int_eq(works, 3);
   ck_assert_int_eq(sum, 1000);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_failure)
+CHECK_TEST(test_failure)
 {
   for (const int threads : { 1, 3 })
     for (const bool making : { false, true }) {
@@ -57,18 +55,5 @@ GST_START_TEST(test_failure)
       ck_assert_str_eq(message.c_str(), making ? "no work" : "no film 4");
     }
 }
-GST_END_TEST;
 
-static Suite *
-parallel_suite(void)
-{
-  Suite *suite = suite_create("parallel");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_each_once);
-  tcase_add_test(tc, test_own_work);
-  tcase_add_test(tc, test_failure);
-  return suite;
-}
-
-GST_CHECK_MAIN(parallel);
+CHECK_MAIN(parallel)

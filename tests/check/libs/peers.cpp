@@ -9,6 +9,8 @@
 #include "quality/peers.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using quality::Peer;
 using quality::PeerSaliency;
 
@@ -27,7 +29,7 @@ frame(int width, int height, int ball_x)
 
 } // namespace
 
-GST_START_TEST(test_frame_difference)
+CHECK_TEST(test_frame_difference)
 {
   // A step of 50 in one gray pixel becomes a Gaussian of volume 50 with a σ of 3 % of the width.
   // The first frame and unchanged frames have no difference.
@@ -49,9 +51,8 @@ GST_START_TEST(test_frame_difference)
   ck_assert_int_eq(cv::countNonZero(difference.compute(picture)), 0);
   ck_assert_int_eq(cv::countNonZero(difference.compute(frame(64, 48, 20))), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_maps)
+CHECK_TEST(test_maps)
 {
   // Every available peer, on films of changing size: maps have the frame's aspect ratio and finite
   // values ≥ 0.
@@ -73,9 +74,8 @@ GST_START_TEST(test_maps)
                 quality::name(peer));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bin_wang_finds_what_moves)
+CHECK_TEST(test_bin_wang_finds_what_moves)
 {
   if (!quality::is_available(Peer::bin_wang))
     return;
@@ -88,9 +88,8 @@ GST_START_TEST(test_bin_wang_finds_what_moves)
   fail_unless(map.at<float>(60, 50) > 0);
   fail_unless(map.at<float>(60, 120) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_haptic_lens)
+CHECK_TEST(test_haptic_lens)
 {
   // Two discs mirror one another; one is five frames old, the other new. A step k frames ago has
   // left min(k, 2ⁿ) / 2ⁿ in the average of 2ⁿ frames, so the temporal maps are 4.359375 and
@@ -122,9 +121,8 @@ GST_START_TEST(test_haptic_lens)
   fail_unless(cv::countNonZero(haptic_lens.compute(picture)) > 0);
   fail_unless(cv::countNonZero(haptic_lens.compute_still(picture)) > 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unavailable)
+CHECK_TEST(test_unavailable)
 {
   for (const Peer peer : quality::kPeers) {
     std::string said;
@@ -138,20 +136,5 @@ GST_START_TEST(test_unavailable)
   }
   fail_unless(quality::is_available(Peer::frame_difference));
 }
-GST_END_TEST;
 
-static Suite *
-peers_suite(void)
-{
-  Suite *suite = suite_create("peers");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_frame_difference);
-  tcase_add_test(tc, test_maps);
-  tcase_add_test(tc, test_bin_wang_finds_what_moves);
-  tcase_add_test(tc, test_haptic_lens);
-  tcase_add_test(tc, test_unavailable);
-  return suite;
-}
-
-GST_CHECK_MAIN(peers);
+CHECK_MAIN(peers)

@@ -5,7 +5,7 @@
 #include "i420_frame.h"
 #include "support/tolerance.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <opencv2/core.hpp>
 
@@ -111,7 +111,7 @@ face_at(const saliency::Saliency &found, cv::Point sample, double width)
 } // namespace
 
 /// A face counts once its second picture is due: 2 × 0.2 s, whatever the speed of the machine.
-GST_START_TEST(test_counts_after_two_looks)
+CHECK_TEST(test_counts_after_two_looks)
 {
   Film film;
   film.play(12);
@@ -125,11 +125,10 @@ GST_START_TEST(test_counts_after_two_looks)
   ck_assert_uint_eq(film.faces.seen().size(), looks + 4);
   ck_assert_int_eq(film.people.statistics().faces, 1);
 }
-GST_END_TEST;
 
 /// Faces go 3 s after the last hit, at a cut at once, and what is found in the last shot does not
 /// count in the next one.
-GST_START_TEST(test_faces_go)
+CHECK_TEST(test_faces_go)
 {
   Film film;
   film.play(30);
@@ -151,11 +150,10 @@ GST_START_TEST(test_faces_go)
   film.play(30);
   ck_assert_uint_eq(film.count(), 0);
 }
-GST_END_TEST;
 
 /// A map with nothing in it stays, bit for bit, with a face at rest; the same face is felt where it
 /// is once it talks, also in noise, and not while the camera moves.
-GST_START_TEST(test_talk)
+CHECK_TEST(test_talk)
 {
   for (const double noise : { 0.0, 1.0 }) {
     Film film;
@@ -170,10 +168,9 @@ GST_START_TEST(test_talk)
     fail_unless(peak(film.talk(30, 15, noise)) == 0);
   }
 }
-GST_END_TEST;
 
 /// A face that fades to black and in again does not talk.
-GST_START_TEST(test_fade)
+CHECK_TEST(test_fade)
 {
   Film film;
   film.play(30);
@@ -186,21 +183,19 @@ GST_START_TEST(test_fade)
       fail_unless_at_most(peak(film.next()), 0.01);
     }
 }
-GST_END_TEST;
 
 /// Talk without a face is nothing, and without faces the map is the same object.
-GST_START_TEST(test_no_face)
+CHECK_TEST(test_no_face)
 {
   Film film;
   film.faces.set({});
   const cv::Mat &map = film.talk(60, 15, 1);
   fail_unless(&map == &film.found.map);
 }
-GST_END_TEST;
 
 /// In films f has σ = 0.45 of the box. Where an event outside is up to 31 times as strong, the face
 /// wins; the maximum stays.
-GST_START_TEST(test_events_in_faces_win)
+CHECK_TEST(test_events_in_faces_win)
 {
   Film film;
   film.play(30);
@@ -215,10 +210,9 @@ GST_START_TEST(test_events_in_faces_win)
   fail_unless_near(raised.at<float>(center) / raised.at<float>(2, 2), (0.4 + 30 * f * 0.27) / 3,
                    1e-3);
 }
-GST_END_TEST;
 
 /// Single pictures have no second look: their faces count at once if they look like skin.
-GST_START_TEST(test_single_pictures)
+CHECK_TEST(test_single_pictures)
 {
   Film film(false);
   film.found.map.setTo(2);
@@ -246,10 +240,9 @@ GST_START_TEST(test_single_pictures)
   fail_unless_near(skin.at<float>(3, 4), 2, 1e-5);
   fail_unless_near(skin.at<float>(8, 8), 1, 0.01);
 }
-GST_END_TEST;
 
 /// What others found takes the place of detections.
-GST_START_TEST(test_known_people)
+CHECK_TEST(test_known_people)
 {
   Film film;
   film.known = { cv::Rect2d(20, 20, 40, 40) };
@@ -266,10 +259,9 @@ GST_START_TEST(test_known_people)
   ck_assert_uint_eq(film.count(), 1);
   fail_unless(film.people.faces()[0] == cv::Rect2d(kFace));
 }
-GST_END_TEST;
 
 /// A detector that does not come to an end holds nobody up; its faces count later.
-GST_START_TEST(test_never_blocks)
+CHECK_TEST(test_never_blocks)
 {
   Film film;
   film.people.wait(false);
@@ -283,10 +275,9 @@ GST_START_TEST(test_never_blocks)
   film.play(8);
   ck_assert_uint_eq(film.count(), 1);
 }
-GST_END_TEST;
 
 /// A face that is found in a pan is where the camera has taken it meanwhile, and follows.
-GST_START_TEST(test_pan)
+CHECK_TEST(test_pan)
 {
   Film film;
   film.found.motion = { 1, 0, 2.0 / kStep, 0 }; // two pixels a frame
@@ -302,10 +293,9 @@ GST_START_TEST(test_pan)
   fail_unless_near(film.people.faces()[0].x + 20, x, 6);
   fail_unless_near(film.people.faces()[0].y + 20, 100, 3);
 }
-GST_END_TEST;
 
 /// Time that goes back, another size, tiny frames.
-GST_START_TEST(test_resets)
+CHECK_TEST(test_resets)
 {
   Film film;
   film.play(30);
@@ -323,27 +313,5 @@ GST_START_TEST(test_resets)
   for (int i = 0; i < 30; ++i)
     fail_unless(peak(film.next()) == 1);
 }
-GST_END_TEST;
 
-static Suite *
-people_suite(void)
-{
-  Suite *suite = suite_create("people");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_counts_after_two_looks);
-  tcase_add_test(tcase, test_faces_go);
-  tcase_add_test(tcase, test_talk);
-  tcase_add_test(tcase, test_fade);
-  tcase_add_test(tcase, test_no_face);
-  tcase_add_test(tcase, test_events_in_faces_win);
-  tcase_add_test(tcase, test_single_pictures);
-  tcase_add_test(tcase, test_known_people);
-  tcase_add_test(tcase, test_never_blocks);
-  tcase_add_test(tcase, test_pan);
-  tcase_add_test(tcase, test_resets);
-  return suite;
-}
-
-GST_CHECK_MAIN(people);
+CHECK_MAIN(people)

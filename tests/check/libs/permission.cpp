@@ -5,13 +5,13 @@
 #include "system_tree.h"
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor;
 
 /// No rule is installed, the rule is newer than the board, or the rule gives access only to users
 /// at the machine.
-GST_START_TEST(test_advice)
+CHECK_TEST(test_advice)
 {
   const SystemTree machine;
   machine.write(machine.roots.sys / "bus/usb/devices/1-2/dev", "189:5\n");
@@ -41,16 +41,5 @@ GST_START_TEST(test_advice)
   // udev does not know the device in the other socket.
   assert_contains(permission_advice("1-3", machine.roots), { "was not applied" });
 }
-GST_END_TEST;
 
-static Suite *
-permission_suite(void)
-{
-  Suite *suite = suite_create("permission");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_advice);
-  return suite;
-}
-
-GST_CHECK_MAIN(permission)
+CHECK_MAIN(permission)

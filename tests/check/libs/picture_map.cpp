@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactile::PictureMap;
 using tactile::SaliencyView;
@@ -71,7 +71,7 @@ pixel(int index, int count, int size)
 
 /// A spot at least as wide as a sample keeps its place when the map is resized to the picture, for
 /// all sizes.
-GST_START_TEST(test_spot_stays)
+CHECK_TEST(test_spot_stays)
 {
   const int sizes[][2] = { { 640, 360 }, { 633, 471 }, { 1001, 77 } };
   for (const auto &size : sizes)
@@ -104,10 +104,9 @@ GST_START_TEST(test_spot_stays)
       }
     }
 }
-GST_END_TEST;
 
 /// Cubic interpolation reproduces quadratics exactly, away from the border.
-GST_START_TEST(test_quadratic_is_exact)
+CHECK_TEST(test_quadratic_is_exact)
 {
   const auto value = [](double x, double y) {
     return 2 + 0.01 * x + 0.02 * y + 1e-4 * (x - 90) * (x - 90) + 2e-4 * (y - 70) * (y - 70);
@@ -123,11 +122,10 @@ GST_START_TEST(test_quadratic_is_exact)
                            - value(pixel(x, map.width, 180), pixel(y, map.height, 143)))
                   < 1e-4);
 }
-GST_END_TEST;
 
 /// A map of the picture's size stays unchanged. Values that are not finite count as 0. An empty map
 /// stays empty.
-GST_START_TEST(test_plain_map)
+CHECK_TEST(test_plain_map)
 {
   const std::vector<float> values{ 1, 0, 2.5F, std::numeric_limits<float>::infinity(), 7, 3 };
   SaliencyView view{ .values = values.data(), .width = 3, .height = 2, .stride = 3 };
@@ -147,10 +145,9 @@ GST_START_TEST(test_plain_map)
   on_picture.sample(view);
   fail_unless(on_picture.values() == std::vector<float>{ 1 });
 }
-GST_END_TEST;
 
 /// Values stay ≥ 0 where cubic interpolation would undershoot.
-GST_START_TEST(test_values_are_at_least_0)
+CHECK_TEST(test_values_are_at_least_0)
 {
   Map map(4, 160, 160);
   map.fill([](int x, int y) { return x == 64 && y == 64 ? 1 : 0; });
@@ -159,19 +156,5 @@ GST_START_TEST(test_values_are_at_least_0)
   fail_unless(std::ranges::all_of(on_picture.values(), [](float value) { return value >= 0; }));
   fail_unless(on_picture.peak() > 0.25 && on_picture.peak() < 1);
 }
-GST_END_TEST;
 
-static Suite *
-picture_map_suite(void)
-{
-  Suite *suite = suite_create("picture_map");
-  TCase *general = tcase_create("general");
-  suite_add_tcase(suite, general);
-  tcase_add_test(general, test_spot_stays);
-  tcase_add_test(general, test_quadratic_is_exact);
-  tcase_add_test(general, test_plain_map);
-  tcase_add_test(general, test_values_are_at_least_0);
-  return suite;
-}
-
-GST_CHECK_MAIN(picture_map)
+CHECK_MAIN(picture_map)

@@ -7,12 +7,12 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using Maps = std::shared_ptr<fusion::SoundMaps>;
 
 // Elements of one pipeline meet, wherever they are in it; those of another one are elsewhere.
-GST_START_TEST(test_one_pipeline)
+CHECK_TEST(test_one_pipeline)
 {
   GstElement *pipelines[2];
   GstElement *parts[2];
@@ -29,10 +29,9 @@ GST_START_TEST(test_one_pipeline)
   for (GstElement *pipeline : pipelines)
     gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
 // Two threads that ask at once get the same.
-GST_START_TEST(test_at_once)
+CHECK_TEST(test_at_once)
 {
   constexpr int kRounds = 8000;
   std::vector<GstElement *> pipelines;
@@ -59,17 +58,5 @@ GST_START_TEST(test_at_once)
   for (GstElement *pipeline : pipelines)
     gst_object_unref(pipeline);
 }
-GST_END_TEST;
 
-static Suite *
-pipeline_sound_suite(void)
-{
-  Suite *suite = suite_create("pipeline_sound");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_one_pipeline);
-  tcase_add_test(cases, test_at_once);
-  return suite;
-}
-
-GST_CHECK_MAIN(pipeline_sound);
+CHECK_MAIN(pipeline_sound)

@@ -15,6 +15,8 @@
 #include "support/tolerance.h"
 #include "unlimited.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// A film that is hard on motors: each tactor changes its level or goes off at random times.
@@ -64,7 +66,7 @@ play_level(CommandPlanner &planner, Time length, auto &&level)
 } // namespace
 
 /// Random films and settings: no limit is ever exceeded, not even by a nanosecond.
-GST_START_TEST(test_no_limit_is_ever_exceeded)
+CHECK_TEST(test_no_limit_is_ever_exceeded)
 {
   std::mt19937 random(11);
   const auto dice = [&](int sides) {
@@ -139,10 +141,9 @@ GST_START_TEST(test_no_limit_is_ever_exceeded)
   }
   fail_unless(acted.on_time > 500 && acted.duty > 500 && acted.number > 500);
 }
-GST_END_TEST;
 
 /// Limits that are never reached change nothing but the commands' `until`.
-GST_START_TEST(test_limits_out_of_reach_change_nothing)
+CHECK_TEST(test_limits_out_of_reach_change_nothing)
 {
   for (const bool kick_start : { false, true })
     for (const double rate : { 0.0, 5.0, 14.0 })
@@ -172,10 +173,9 @@ GST_START_TEST(test_limits_out_of_reach_change_nothing)
                     == 0);
       }
 }
-GST_END_TEST;
 
 /// Ordinary films stay untouched: cues of under 2 s, a third of the time, three tactors at once.
-GST_START_TEST(test_film_within_limits_is_untouched)
+CHECK_TEST(test_film_within_limits_is_untouched)
 {
   CommandPlanner limited(9, {});
   CommandPlanner free(9, unlimited());
@@ -193,10 +193,9 @@ GST_START_TEST(test_film_within_limits_is_untouched)
                 "frame %d", frame);
   }
 }
-GST_END_TEST;
 
 /// A level that never ends is on for 2 s, then off for 3 s and until the next block.
-GST_START_TEST(test_endless_level)
+CHECK_TEST(test_endless_level)
 {
   CommandPlanner planner(1);
   const auto stretches = play_level(planner, 100s, [](Time) { return 1.0F; });
@@ -219,10 +218,9 @@ GST_START_TEST(test_endless_level)
   fail_unless(on[1].begin >= 60s - lead && on[1].begin <= 64s);
   fail_unless(on[1].end == on[1].begin + 24s);
 }
-GST_END_TEST;
 
 /// No cue of less than 200 ms begins. Here an earlier cue leaves `left` of the minute's 24 s.
-GST_START_TEST(test_shortest_cue)
+CHECK_TEST(test_shortest_cue)
 {
   for (const auto &[left, begins] : { std::pair(100ms, false), std::pair(199ms, false),
                                       std::pair(200ms, true), std::pair(300ms, true) }) {
@@ -237,10 +235,9 @@ GST_START_TEST(test_shortest_cue)
     fail_unless(planner.limited().duty == (begins ? 0 : 1));
   }
 }
-GST_END_TEST;
 
 /// After a cue has run out, a new one begins with the next rise from zero, not with the same level.
-GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
+CHECK_TEST(test_new_event_after_a_cue_that_ran_out)
 {
   CommandPlanner planner(1);
   const auto stretches = play_level(
@@ -250,11 +247,10 @@ GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
   fail_unless(stretches[0].end == 2s - lead);
   fail_unless(stretches[1].begin == 2600ms - lead && stretches[1].end == 4600ms - lead);
 }
-GST_END_TEST;
 
 /// The four strongest tactors of each block are on. Among equals those that are on stay on. Nothing
 /// else is limited.
-GST_START_TEST(test_the_strongest_win)
+CHECK_TEST(test_the_strongest_win)
 {
   const PlannerSettings settings{ .limits = { .max_on_time = 0s, .max_duty = 0, .max_active = 4 } };
   CommandPlanner planner(9, settings);
@@ -291,10 +287,9 @@ GST_START_TEST(test_the_strongest_win)
   fail_unless(on_after(400ms, { 1, 1, 1, 1, 1, 0.5F }) == "#.###.");
   fail_unless(equals.limited().number == 3); // two had to wait, one had to stop
 }
-GST_END_TEST;
 
 /// A stronger cue begins in time: the weakest tactor whose level ends with its frame stops for it.
-GST_START_TEST(test_weakest_stops_for_a_stronger_cue)
+CHECK_TEST(test_weakest_stops_for_a_stronger_cue)
 {
   CommandPlanner planner(4, { .limits = { .max_active = 2 } });
   planner.plan(0s, 33ms, std::vector<float>{ 0.5F, 0.7F, 0, 0 });
@@ -305,10 +300,9 @@ GST_START_TEST(test_weakest_stops_for_a_stronger_cue)
   fail_unless(commands[1].tactor == 1 && commands[1].volts == 0 && commands[1].due() == 1s);
   fail_unless(commands[2].tactor == 2 && commands[2].due() == 1s - lead);
 }
-GST_END_TEST;
 
 /// Seeking does not raise the allowance: time on before a seek still counts.
-GST_START_TEST(test_seeks_do_not_raise_the_allowance)
+CHECK_TEST(test_seeks_do_not_raise_the_allowance)
 {
   CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
   Chair chair(1);
@@ -323,10 +317,9 @@ GST_START_TEST(test_seeks_do_not_raise_the_allowance)
   fail_unless(fullest_minute(chair.stretches[0]) <= 24s);
   fail_unless(fullest_minute(chair.stretches[0]) >= 23s); // but nearly that
 }
-GST_END_TEST;
 
 /// A seek before anything was due does not count as time on.
-GST_START_TEST(test_seek_before_anything_was_due)
+CHECK_TEST(test_seek_before_anything_was_due)
 {
   CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
   planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
@@ -340,10 +333,9 @@ GST_START_TEST(test_seek_before_anything_was_due)
   fail_unless(commands.size() == 1);
   fail_unless(commands[0].until - commands[0].due() == 24s - (23s + lead));
 }
-GST_END_TEST;
 
 /// A change of limits applies to tactors that are on, from the next block.
-GST_START_TEST(test_change_of_limits)
+CHECK_TEST(test_change_of_limits)
 {
   PlannerSettings settings;
   CommandPlanner planner(2, settings);
@@ -361,11 +353,10 @@ GST_START_TEST(test_change_of_limits)
   fail_unless(commands.size() == 2 && commands[0].volts == 0 && commands[0].due() == 400ms
               && commands[1].volts == 0 && commands[1].due() == 400ms);
 }
-GST_END_TEST;
 
 /// A kick (full voltage) brings a motor from rest to 90 % by the frame and no further. Without it
 /// Eq. 1 takes up to 164 ms.
-GST_START_TEST(test_kick_start)
+CHECK_TEST(test_kick_start)
 {
   for (const float level : { 0.17F, 0.2F, 0.4F, 0.6F, 0.8F, 0.99F }) {
     CommandPlanner planner(1, unlimited({ .kick_start = true }));
@@ -394,27 +385,5 @@ GST_START_TEST(test_kick_start)
   fail_unless(planner.plan(4s, 33ms, std::vector<float>{ 0.0F }).size() == 1);
   fail_unless(planner.plan(5s, 33ms, std::vector<float>{ 0.3F }).size() == 2);
 }
-GST_END_TEST;
 
-static Suite *
-planner_limits_suite(void)
-{
-  Suite *suite = suite_create("planner_limits");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_no_limit_is_ever_exceeded);
-  tcase_add_test(tests, test_limits_out_of_reach_change_nothing);
-  tcase_add_test(tests, test_film_within_limits_is_untouched);
-  tcase_add_test(tests, test_endless_level);
-  tcase_add_test(tests, test_shortest_cue);
-  tcase_add_test(tests, test_new_event_after_a_cue_that_ran_out);
-  tcase_add_test(tests, test_the_strongest_win);
-  tcase_add_test(tests, test_weakest_stops_for_a_stronger_cue);
-  tcase_add_test(tests, test_seeks_do_not_raise_the_allowance);
-  tcase_add_test(tests, test_seek_before_anything_was_due);
-  tcase_add_test(tests, test_change_of_limits);
-  tcase_add_test(tests, test_kick_start);
-  return suite;
-}
-
-GST_CHECK_MAIN(planner_limits)
+CHECK_MAIN(planner_limits)

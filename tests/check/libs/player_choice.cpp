@@ -8,6 +8,8 @@
 
 #include <vector>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using follow::Doing;
 using follow::Time;
@@ -39,7 +41,7 @@ struct Room
 } // namespace
 
 /// The sound of a player that pauses, seeks, ends or leaves is heard for some seconds more.
-GST_START_TEST(test_stopped)
+CHECK_TEST(test_stopped)
 {
   for (const Doing doing : { Doing::paused, Doing::stalled, Doing::stopped }) {
     Room room;
@@ -60,10 +62,9 @@ GST_START_TEST(test_stopped)
   const std::vector<PlayerChoice::Candidate> ear{ room.players[kEar] };
   fail_if(room.choice.choose(ear, std::nullopt, 21s).has_value(), "of a player that has left");
 }
-GST_END_TEST;
 
 /// Another film, or the same one at another screen.
-GST_START_TEST(test_heard_after)
+CHECK_TEST(test_heard_after)
 {
   Room room;
   fail_unless(room.at(20s) == kMpv);
@@ -77,9 +78,8 @@ GST_START_TEST(test_heard_after)
   fail_unless(room.at(63s) == kMpv);
   fail_unless(room.at(64s) == kEar, "still heard, so it is another screen's");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ranks)
+CHECK_TEST(test_ranks)
 {
   Room room;
   room.players[kMpv].doing = Doing::paused;
@@ -100,10 +100,9 @@ GST_START_TEST(test_ranks)
   none.players.push_back({ .doing = Doing::paused });
   fail_unless(none.at(3s) == 2);
 }
-GST_END_TEST;
 
 /// The film of a television whose media server reports it to the second, and which is heard, too.
-GST_START_TEST(test_media_server)
+CHECK_TEST(test_media_server)
 {
   Room room;
   room.players[0].source = follow::Source::media_server;
@@ -131,19 +130,5 @@ GST_START_TEST(test_media_server)
   room.players.push_back({ .doing = Doing::playing });
   fail_unless(room.at(62s) == 2);
 }
-GST_END_TEST;
 
-static Suite *
-player_choice_suite()
-{
-  Suite *suite = suite_create("player_choice");
-  TCase *tcase = tcase_create("general");
-  tcase_add_test(tcase, test_stopped);
-  tcase_add_test(tcase, test_heard_after);
-  tcase_add_test(tcase, test_ranks);
-  tcase_add_test(tcase, test_media_server);
-  suite_add_tcase(suite, tcase);
-  return suite;
-}
-
-GST_CHECK_MAIN(player_choice);
+CHECK_MAIN(player_choice)

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor;
 
@@ -37,7 +37,7 @@ constexpr const char *kEffects = "107030000 0";
 
 } // namespace
 
-GST_START_TEST(test_gamepads)
+CHECK_TEST(test_gamepads)
 {
   const TemporaryFolder input;
   const std::filesystem::path sys = input.path;
@@ -58,24 +58,10 @@ GST_START_TEST(test_gamepads)
   fail_unless(gamepads[0] == first);
   fail_unless(gamepads[1].path == "/dev/input/event7");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_input_devices)
+CHECK_TEST(test_no_input_devices)
 {
   fail_unless(plugged_gamepads("/nowhere").empty());
 }
-GST_END_TEST;
 
-static Suite *
-plugged_gamepads_suite(void)
-{
-  Suite *suite = suite_create("plugged_gamepads");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_gamepads);
-  tcase_add_test(tcase, test_no_input_devices);
-  return suite;
-}
-
-GST_CHECK_MAIN(plugged_gamepads);
+CHECK_MAIN(plugged_gamepads)

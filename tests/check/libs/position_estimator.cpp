@@ -10,7 +10,7 @@
 #include <limits>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -103,7 +103,7 @@ assert_near(const PositionEstimator &estimator, Time now, Time position, Time to
 } // namespace
 
 /// Two hours with clocks that differ.
-GST_START_TEST(test_two_hours)
+CHECK_TEST(test_two_hours)
 {
   const struct
   {
@@ -137,19 +137,17 @@ GST_START_TEST(test_two_hours)
     fail_unless(ours * 2 <= third, "p95 %.2f ms, of thirds of the way %.2f ms", ours, third);
   }
 }
-GST_END_TEST;
 
 /// A player that fits the film to the screen: 23.976 frames on 24 Hz.
-GST_START_TEST(test_resampled)
+CHECK_TEST(test_resampled)
 {
   for (const double skew : { -1e-3, 1e-3 }) {
     const Errors errors = compare(WatchedFilm(kBegin, 0s, skew), told_by_frame(), 10min);
     fail_unless(quantile(errors.ours, 0.95) < 4, "%.2f ms", quantile(errors.ours, 0.95));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_reports)
+CHECK_TEST(test_wrong_reports)
 {
   for (Telling telling : { told_by_frame(), told_when_asked(250ms) }) {
     for (const Time off : { Time(60ms), Time(20s) }) {
@@ -161,10 +159,9 @@ GST_START_TEST(test_wrong_reports)
     }
   }
 }
-GST_END_TEST;
 
 /// Within a stretch, film time goes on at nearly the film's rate whatever is reported.
-GST_START_TEST(test_never_backwards)
+CHECK_TEST(test_never_backwards)
 {
   Telling telling = told_by_frame();
   telling.hiccups = 0.3;
@@ -189,10 +186,9 @@ GST_START_TEST(test_never_backwards)
   }
   fail_unless(compared > 200'000, "%d", compared);
 }
-GST_END_TEST;
 
 /// A seek that the player tells.
-GST_START_TEST(test_told_seek)
+CHECK_TEST(test_told_seek)
 {
   PositionEstimator estimator;
   const Time now = play(estimator, kBegin, 10s, 50);
@@ -211,11 +207,10 @@ GST_START_TEST(test_told_seek)
   estimator.report(told(now + 80ms, 20s));
   assert_near(estimator, now + 80ms, 20s);
 }
-GST_END_TEST;
 
 /// A seek that the player does not tell is told from a wrong report by the next one.
 /// A player that puts its position right by a little has not leapt: nothing that is felt is cut.
-GST_START_TEST(test_put_right)
+CHECK_TEST(test_put_right)
 {
   PositionEstimator estimator;
   const Time now = play(estimator, kBegin, 10s, 50);
@@ -234,9 +229,8 @@ GST_START_TEST(test_put_right)
   fail_unless(estimator.at(now + 440ms)->stretch != stretch);
   assert_near(estimator, now + 440ms, 12s + 530ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_untold_seek)
+CHECK_TEST(test_untold_seek)
 {
   for (const Time to : { Time(10min), Time(11s) }) {
     PositionEstimator estimator;
@@ -249,9 +243,8 @@ GST_START_TEST(test_untold_seek)
     fail_if(estimator.asks_again());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_lone_wrong_report)
+CHECK_TEST(test_lone_wrong_report)
 {
   PositionEstimator estimator;
   const Time now = play(estimator, kBegin, 60s, 50);
@@ -263,9 +256,8 @@ GST_START_TEST(test_lone_wrong_report)
   estimator.report(told(now + 80ms, 62s - 60ms));
   assert_near(estimator, now + 80ms, 62s + 80ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pause)
+CHECK_TEST(test_pause)
 {
   PositionEstimator estimator;
   const Time now = play(estimator, kBegin, 60s, 50);
@@ -290,9 +282,8 @@ GST_START_TEST(test_pause)
   ck_assert(estimator.at(resumed + 70ms)->rate == 1);
   assert_near(estimator, resumed + 170ms, 62s + 120ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rate)
+CHECK_TEST(test_rate)
 {
   PositionEstimator estimator;
   Time now = play(estimator, kBegin, 60s, 50);
@@ -317,10 +308,9 @@ GST_START_TEST(test_rate)
     fail_unless(estimator.at(now).has_value());
   }
 }
-GST_END_TEST;
 
 /// It waits for data: the position stands, or nothing more is told.
-GST_START_TEST(test_stall)
+CHECK_TEST(test_stall)
 {
   PositionEstimator estimator;
   const auto asked = [&estimator](Time at, Time position) {
@@ -347,10 +337,9 @@ GST_START_TEST(test_stall)
   silent.report(stalled);
   ck_assert(silent.at(end)->rate == 0);
 }
-GST_END_TEST;
 
 /// Slow films have few frames.
-GST_START_TEST(test_patience)
+CHECK_TEST(test_patience)
 {
   PositionEstimator estimator;
   for (int i = 0; i < 10; i++)
@@ -362,10 +351,9 @@ GST_START_TEST(test_patience)
     slow.report(told(kBegin + i * 2s, i * 2s));
   ck_assert(slow.known_until() == kBegin + 18s + 3s);
 }
-GST_END_TEST;
 
 /// Frames may be further apart than a player that hangs is waited for, if it says that it plays.
-GST_START_TEST(test_far_frames)
+CHECK_TEST(test_far_frames)
 {
   for (const bool lives : { true, false }) {
     PositionEstimator estimator;
@@ -387,9 +375,8 @@ GST_START_TEST(test_far_frames)
     fail_unless(!lives || !estimator.at(last + 567ms + 301ms));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_new_film)
+CHECK_TEST(test_new_film)
 {
   PositionEstimator estimator;
   const Time now = play(estimator, kBegin, 60s, 50);
@@ -402,10 +389,9 @@ GST_START_TEST(test_new_film)
   estimator.report({ .received = now, .doing = Doing::stopped, .film = "sequel" });
   fail_if(estimator.at(now).has_value());
 }
-GST_END_TEST;
 
 /// A position that is known to half a second only is none.
-GST_START_TEST(test_too_coarse)
+CHECK_TEST(test_too_coarse)
 {
   PositionEstimator estimator({ .habits = { .coarseness = 1s } });
   const auto asked = [&estimator](Time at) {
@@ -423,9 +409,8 @@ GST_START_TEST(test_too_coarse)
   assert_near(estimator, kBegin + 4100ms, 4100ms, 110ms);
   ck_assert(estimator.at(kBegin + 4100ms)->error >= 95ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nonsense)
+CHECK_TEST(test_nonsense)
 {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -443,10 +428,9 @@ GST_START_TEST(test_nonsense)
   estimator.report(told(kBegin, 60s)); // late by two seconds
   assert_near(estimator, now, 62s);
 }
-GST_END_TEST;
 
 /// A position that is told twice within a tenth of a second was not renewed yet.
-GST_START_TEST(test_told_twice)
+CHECK_TEST(test_told_twice)
 {
   PositionEstimator estimator;
   const auto tell = [&estimator](Time asked, Time position) {
@@ -462,33 +446,5 @@ GST_START_TEST(test_told_twice)
   tell(last + 120ms, last);
   ck_assert(estimator.at(last + 130ms)->rate == 0);
 }
-GST_END_TEST;
 
-static Suite *
-position_estimator_suite(void)
-{
-  Suite *suite = suite_create("position_estimator");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_two_hours);
-  tcase_add_test(tcase, test_resampled);
-  tcase_add_test(tcase, test_wrong_reports);
-  tcase_add_test(tcase, test_never_backwards);
-  tcase_add_test(tcase, test_told_seek);
-  tcase_add_test(tcase, test_put_right);
-  tcase_add_test(tcase, test_untold_seek);
-  tcase_add_test(tcase, test_lone_wrong_report);
-  tcase_add_test(tcase, test_pause);
-  tcase_add_test(tcase, test_rate);
-  tcase_add_test(tcase, test_stall);
-  tcase_add_test(tcase, test_patience);
-  tcase_add_test(tcase, test_far_frames);
-  tcase_add_test(tcase, test_new_film);
-  tcase_add_test(tcase, test_too_coarse);
-  tcase_add_test(tcase, test_nonsense);
-  tcase_add_test(tcase, test_told_twice);
-  return suite;
-}
-
-GST_CHECK_MAIN(position_estimator);
+CHECK_MAIN(position_estimator)

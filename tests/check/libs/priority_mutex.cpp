@@ -12,8 +12,8 @@
 #include <thread>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/realtime.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using tactor::PriorityCondition;
@@ -46,7 +46,7 @@ priority_of(pid_t thread)
 
 /// An ordinary thread that has the mutex runs at the priority of the real-time thread that waits
 /// for it, until it gives it back.
-GST_START_TEST(test_holder_inherits_priority)
+CHECK_TEST(test_holder_inherits_priority)
 {
   if (!may_be_realtime())
     return;
@@ -64,9 +64,8 @@ GST_START_TEST(test_holder_inherits_priority)
   fail_unless(priority_of(gettid()) >= 0);
   urgent.join();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_excludes_others)
+CHECK_TEST(test_excludes_others)
 {
   PriorityMutex mutex;
   int count = 0;
@@ -107,9 +106,8 @@ GST_START_TEST(test_excludes_others)
   fail_unless(mutex.try_lock_until({})); // nobody has it
   mutex.unlock();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_condition)
+CHECK_TEST(test_condition)
 {
   PriorityMutex mutex;
   PriorityCondition changed;
@@ -140,10 +138,9 @@ GST_START_TEST(test_condition)
   fail_unless(Clock::now() >= soon);
   fail_unless(changed.wait_until(lock, Clock::time_point::max(), [] { return true; }));
 }
-GST_END_TEST;
 
 /// All that wait are woken.
-GST_START_TEST(test_all_are_notified)
+CHECK_TEST(test_all_are_notified)
 {
   PriorityMutex mutex;
   PriorityCondition changed;
@@ -167,19 +164,5 @@ GST_START_TEST(test_all_are_notified)
   one.join();
   other.join();
 }
-GST_END_TEST;
 
-static Suite *
-priority_mutex_suite(void)
-{
-  Suite *suite = suite_create("priority_mutex");
-  TCase *cases = tcase_create("general");
-  tcase_add_test(cases, test_holder_inherits_priority);
-  tcase_add_test(cases, test_excludes_others);
-  tcase_add_test(cases, test_condition);
-  tcase_add_test(cases, test_all_are_notified);
-  suite_add_tcase(suite, cases);
-  return suite;
-}
-
-GST_CHECK_MAIN(priority_mutex);
+CHECK_MAIN(priority_mutex)

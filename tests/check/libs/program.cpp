@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -26,7 +26,7 @@ is_stopped()
 } // namespace
 
 /// Also between two programs, and the next one does not start.
-GST_START_TEST(test_stop)
+CHECK_TEST(test_stop)
 {
   {
     const SignalsStop signals_stop;
@@ -45,10 +45,9 @@ GST_START_TEST(test_stop)
   const SignalsStop again;
   fail_unless(!is_stopped());
 }
-GST_END_TEST;
 
 /// As nohup sets it: in the other program, too.
-GST_START_TEST(test_ignored)
+CHECK_TEST(test_ignored)
 {
   const auto before = signal(SIGHUP, SIG_IGN);
   {
@@ -62,17 +61,5 @@ GST_START_TEST(test_ignored)
   }
   fail_unless(signal(SIGHUP, before) == SIG_IGN);
 }
-GST_END_TEST;
 
-static Suite *
-program_suite()
-{
-  Suite *suite = suite_create("program");
-  TCase *tcase = tcase_create("signals");
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_stop);
-  tcase_add_test(tcase, test_ignored);
-  return suite;
-}
-
-GST_CHECK_MAIN(program)
+CHECK_MAIN(program)

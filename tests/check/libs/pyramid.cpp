@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "support/check_tests.h"
+
 using oracle::Image;
 
 namespace {
@@ -16,7 +18,7 @@ constexpr int kLengths[]
 
 } // namespace
 
-GST_START_TEST(test_geometry)
+CHECK_TEST(test_geometry)
 {
   ck_assert_int_eq(saliency::coarsest_level({ 1, 1 }), 0);
   ck_assert_int_eq(saliency::coarsest_level({ 2, 1 }), 1);
@@ -31,9 +33,8 @@ GST_START_TEST(test_geometry)
       ck_assert_int_eq(size.height, static_cast<int>(std::ceil(height / std::pow(2.0, level))));
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reduce)
+CHECK_TEST(test_reduce)
 {
   // Rows shorter and longer than vectors, with one object for all sizes.
   saliency::Reduction reduce;
@@ -46,9 +47,8 @@ GST_START_TEST(test_reduce)
       fail_unless_at_most(oracle::difference(reduced, oracle::pyr_down(image)), 1e-4);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_upsample)
+CHECK_TEST(test_upsample)
 {
   unsigned seed = 0;
   for (const auto &[width, height] :
@@ -64,9 +64,8 @@ GST_START_TEST(test_upsample)
             oracle::difference(up, oracle::up(coarse, octaves_x, octaves_y, width, height)), 1e-4);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grid)
+CHECK_TEST(test_grid)
 {
   // A ramp whose value is the position. Each level's samples tell where they lie, and upsampling
   // must put them back there.
@@ -108,9 +107,8 @@ GST_START_TEST(test_grid)
         fail_unless_near(up.at<float>(y, x), x + 2.0 * y, 0);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pyramid)
+CHECK_TEST(test_pyramid)
 {
   saliency::Pyramid pyramid;
   // The second pyramid is smaller and starts at another level. Nothing of the first may remain.
@@ -137,9 +135,8 @@ GST_START_TEST(test_pyramid)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_fixed_point)
+CHECK_TEST(test_fixed_point)
 {
   // Agrees with float to a few units of 1/128. Chroma is only computed where requested. An image
   // lent to an earlier build is not modified.
@@ -168,21 +165,5 @@ GST_START_TEST(test_fixed_point)
   for (const auto &plane : lent.planes)
     fail_unless_at_most(oracle::difference(plane, oracle::Image(100, 75, 7)), 0);
 }
-GST_END_TEST;
 
-static Suite *
-pyramid_suite(void)
-{
-  Suite *suite = suite_create("pyramid");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_geometry);
-  tcase_add_test(tc, test_reduce);
-  tcase_add_test(tc, test_upsample);
-  tcase_add_test(tc, test_grid);
-  tcase_add_test(tc, test_pyramid);
-  tcase_add_test(tc, test_fixed_point);
-  return suite;
-}
-
-GST_CHECK_MAIN(pyramid);
+CHECK_MAIN(pyramid)

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "support/check_tests.h"
+
 using saliency::Rarity;
 
 namespace {
@@ -35,7 +37,7 @@ rarity_of_share(double share)
 
 } // namespace
 
-GST_START_TEST(test_shares)
+CHECK_TEST(test_shares)
 {
   // 20×20 pixels. A plain color is not rare at all. A distant color on 4 pixels has a share of 1 %.
   auto lab = colors(20, 20, 50, -20, 30);
@@ -56,9 +58,8 @@ GST_START_TEST(test_shares)
       lab[0](x, y) = 53 + 12.5;
   fail_unless_near(weight_of(lab).at<float>(0, 0), rarity_of_share(0.5), 1e-5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_border)
+CHECK_TEST(test_border)
 {
   // The outer 10 % of 20×30 are 2 columns and 3 rows on each side. A color that is only inside is
   // as rare as possible, and so is one that is only outside.
@@ -75,9 +76,8 @@ GST_START_TEST(test_border)
   lab[0](1, 15) = 80;
   fail_unless_near(weight_of(lab, 0.1).at<float>(15, 10), rarity_of_share(1.0 / 216), 1e-5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   // One object for pictures of changing size. Colors from the whole space and beyond.
   unsigned seed = 1;
@@ -96,9 +96,8 @@ GST_START_TEST(test_brute_force)
       }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise_does_not_make_rare)
+CHECK_TEST(test_noise_does_not_make_rare)
 {
   // A plain background whose color lies on edges of L* and a* bins: noise spreads it over four bins
   // of a quarter each. Two others count half, one a quarter: R(9/16).
@@ -108,19 +107,5 @@ GST_START_TEST(test_noise_does_not_make_rare)
   const cv::Mat weight = weight_of(lab);
   fail_unless_at_most(cv::norm(weight, cv::NORM_INF), rarity_of_share(0.5));
 }
-GST_END_TEST;
 
-static Suite *
-rarity_suite(void)
-{
-  Suite *suite = suite_create("rarity");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_shares);
-  tcase_add_test(tc, test_border);
-  tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_noise_does_not_make_rare);
-  return suite;
-}
-
-GST_CHECK_MAIN(rarity);
+CHECK_MAIN(rarity)

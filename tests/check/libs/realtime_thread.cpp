@@ -25,7 +25,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "fake_realtime_kit.h"
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using std::chrono::milliseconds;
 using tactor::CpuBudget;
@@ -167,7 +167,7 @@ skipped()
 
 /// Permitted by the resource limit, where the test may set it, else by the capability. The object's
 /// end reverts it.
-GST_START_TEST(test_direct)
+CHECK_TEST(test_direct)
 {
   if (skipped())
     return;
@@ -178,18 +178,16 @@ GST_START_TEST(test_direct)
   fail_unless(time_limit().rlim_max == RLIM_INFINITY); // left to the process
   ck_assert_int_eq(asker.end(), SCHED_OTHER);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_not_wanted)
+CHECK_TEST(test_not_wanted)
 {
   Asker asker(false, false);
   fail_unless(asker.answer().first == Scheduling::normal);
   ck_assert_int_eq(asker.policy(), SCHED_OTHER);
 }
-GST_END_TEST;
 
 /// Sets the limit on CPU time that RealtimeKit requires. It is kept for the next thread.
-GST_START_TEST(test_realtime_kit)
+CHECK_TEST(test_realtime_kit)
 {
   if (skipped())
     return;
@@ -207,10 +205,9 @@ GST_START_TEST(test_realtime_kit)
     ck_assert_int_eq(asker.end(), SCHED_OTHER);
   }
 }
-GST_END_TEST;
 
 /// A lower limit is not raised.
-GST_START_TEST(test_limit_is_never_raised)
+CHECK_TEST(test_limit_is_never_raised)
 {
   if (skipped())
     return;
@@ -223,11 +220,10 @@ GST_START_TEST(test_limit_is_never_raised)
   ck_assert_uint_eq(time_limit().rlim_cur, 50000);
   ck_assert_uint_eq(time_limit().rlim_max, 100000);
 }
-GST_END_TEST;
 
 /// The limit would apply to the application's real-time threads, too, and kill the process. So it
 /// is not set if there are any.
-GST_START_TEST(test_other_realtime_threads)
+CHECK_TEST(test_other_realtime_threads)
 {
   if (skipped())
     return;
@@ -252,10 +248,9 @@ GST_START_TEST(test_other_realtime_threads)
   checked.count_down();
   other.join();
 }
-GST_END_TEST;
 
 /// No service, or one that refuses: the thread runs at normal priority and reports why.
-GST_START_TEST(test_no_service)
+CHECK_TEST(test_no_service)
 {
   allow_priority(0);
   g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
@@ -276,11 +271,10 @@ GST_START_TEST(test_no_service)
   const Bus bus(Bus::Service::refuses);
   check("not for you");
 }
-GST_END_TEST;
 
 /// A service or a bus that never answers blocks nothing: the request is canceled with the thread.
 /// An answer would mean a time-out.
-GST_START_TEST(test_service_that_never_answers)
+CHECK_TEST(test_service_that_never_answers)
 {
   allow_priority(0);
   {
@@ -310,10 +304,9 @@ GST_START_TEST(test_service_that_never_answers)
   g_unlink(path);
   g_rmdir(folder);
 }
-GST_END_TEST;
 
 /// A quarter of the time, with bursts of 50 ms.
-GST_START_TEST(test_cpu_budget)
+CHECK_TEST(test_cpu_budget)
 {
   constexpr Time kStart = std::chrono::hours(5);
   // 24 of every 100 ms, for an hour.
@@ -340,10 +333,9 @@ GST_START_TEST(test_cpu_budget)
   fail_unless(rested.allows(kStart + std::chrono::hours(1), milliseconds(50)));
   fail_if(rested.allows(kStart + std::chrono::hours(1), milliseconds(101)));
 }
-GST_END_TEST;
 
 /// A runaway thread loses its priority before it starves others.
-GST_START_TEST(test_runaway)
+CHECK_TEST(test_runaway)
 {
   if (skipped())
     return;
@@ -353,24 +345,5 @@ GST_START_TEST(test_runaway)
   fail_unless(asker.answer().first == Scheduling::given_back);
   ck_assert_int_eq(asker.policy(), SCHED_OTHER);
 }
-GST_END_TEST;
 
-static Suite *
-realtime_thread_suite(void)
-{
-  Suite *suite = suite_create("realtime_thread");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_direct);
-  tcase_add_test(tests, test_not_wanted);
-  tcase_add_test(tests, test_realtime_kit);
-  tcase_add_test(tests, test_limit_is_never_raised);
-  tcase_add_test(tests, test_other_realtime_threads);
-  tcase_add_test(tests, test_no_service);
-  tcase_add_test(tests, test_service_that_never_answers);
-  tcase_add_test(tests, test_cpu_budget);
-  tcase_add_test(tests, test_runaway);
-  return suite;
-}
-
-GST_CHECK_MAIN(realtime_thread);
+CHECK_MAIN(realtime_thread)

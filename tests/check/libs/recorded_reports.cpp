@@ -15,7 +15,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -197,50 +197,30 @@ assert_known(const char *name, const Habits &habits, double most, double share =
 
 } // namespace
 
-GST_START_TEST(test_mpv)
+CHECK_TEST(test_mpv)
 {
   assert_known("mpv", {}, 15);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_vlc)
+CHECK_TEST(test_vlc)
 {
   assert_known("vlc", { .coarseness = 400ms, .lingers = true }, 25);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_kodi)
+CHECK_TEST(test_kodi)
 {
   assert_known("kodi", { .coarseness = 300ms, .lingers = true }, 40);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_chromium)
+CHECK_TEST(test_chromium)
 {
   assert_known("chromium", { .coarseness = 200ms, .lingers = true }, 120,
                1); // itself tells it to 100 ms
 }
-GST_END_TEST;
 
-GST_START_TEST(test_chromium_extended)
+CHECK_TEST(test_chromium_extended)
 {
   assert_known("chromium-extended", { .coarseness = 200ms, .lingers = true }, 25);
 }
-GST_END_TEST;
 
-static Suite *
-recorded_reports_suite(void)
-{
-  Suite *suite = suite_create("recorded_reports");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_mpv);
-  tcase_add_test(tcase, test_vlc);
-  tcase_add_test(tcase, test_kodi);
-  tcase_add_test(tcase, test_chromium);
-  tcase_add_test(tcase, test_chromium_extended);
-  return suite;
-}
-
-GST_CHECK_MAIN(recorded_reports);
+CHECK_MAIN(recorded_reports)

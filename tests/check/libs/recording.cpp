@@ -8,6 +8,8 @@
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace tactor;
 
 namespace {
@@ -24,7 +26,7 @@ expect_refusal(const std::string &text, const std::string &says)
 
 } // namespace
 
-GST_START_TEST(exports_are_read)
+CHECK_TEST(exports_are_read)
 {
   for (const char *text :
        { "time_s,left,right\n-0.5,1,2\n0,3,4\n0.5,5,6\n1,7,8\n",
@@ -42,10 +44,9 @@ GST_START_TEST(exports_are_read)
     }
   }
 }
-GST_END_TEST
 
 // The rate of a phone's accelerometer varies. On a ramp the value is the time.
-GST_START_TEST(uneven_times_become_even)
+CHECK_TEST(uneven_times_become_even)
 {
   std::string text;
   for (int i = 0; i <= 100; i++) {
@@ -58,9 +59,8 @@ GST_START_TEST(uneven_times_become_even)
   for (std::size_t i = 0; i <= 100; i++)
     fail_unless_near(recording.channels[0][i], 0.05 * static_cast<double>(i), 1e-4);
 }
-GST_END_TEST
 
-GST_START_TEST(damaged_files_are_refused_with_the_line)
+CHECK_TEST(damaged_files_are_refused_with_the_line)
 {
   expect_refusal("", "found 0");
   expect_refusal("0,1\n", "found 1");
@@ -78,28 +78,13 @@ GST_START_TEST(damaged_files_are_refused_with_the_line)
   expect_refusal("0,1\n1,1e300\n", "'1e300'");
   expect_refusal("0,1\n" + std::string(100'000, '1') + "\n", "line 2: expected a line of at most");
 }
-GST_END_TEST
 
-GST_START_TEST(channels_go_to_tactors_where_there_are_enough)
+CHECK_TEST(channels_go_to_tactors_where_there_are_enough)
 {
   Recording recording{ .channels = { {}, {}, {} } };
   fail_unless(recording.channel_of(2, 3) == 2);
   fail_unless(recording.channel_of(2, 4) == 0);
   fail_unless(recording.channel_of(0, 1) == 0);
 }
-GST_END_TEST
 
-static Suite *
-recording_suite(void)
-{
-  Suite *suite = suite_create("recording");
-  TCase *tests = tcase_create("csv");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, exports_are_read);
-  tcase_add_test(tests, uneven_times_become_even);
-  tcase_add_test(tests, damaged_files_are_refused_with_the_line);
-  tcase_add_test(tests, channels_go_to_tactors_where_there_are_enough);
-  return suite;
-}
-
-GST_CHECK_MAIN(recording)
+CHECK_MAIN(recording)

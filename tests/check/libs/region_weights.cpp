@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "support/check_tests.h"
+
 using saliency::RegionWeights;
 
 namespace {
@@ -25,7 +27,7 @@ has(const std::string &text, const char *part)
 
 } // namespace
 
-GST_START_TEST(test_weights)
+CHECK_TEST(test_weights)
 {
   const RegionWeights weights = *RegionWeights::parse("face=3,logo=0");
   fail_unless(weights.of("face") == 3 && weights.of("logo") == 0 && weights.of("car") == 1);
@@ -46,10 +48,9 @@ GST_START_TEST(test_weights)
     fail_unless(RegionWeights::parse(none)->of("face") == 1);
   fail_unless(RegionWeights().of("face") == 1);
 }
-GST_END_TEST;
 
 /// Errors name what was expected and what was found.
-GST_START_TEST(test_refusals)
+CHECK_TEST(test_refusals)
 {
   for (const char *text : { "face", "face=3,logo", ",", "face=3,", ",face=3", "face=3,,logo=0",
                             "=3", " =3", "face:3", "face=3;logo" }) {
@@ -72,17 +73,5 @@ GST_START_TEST(test_refusals)
   fail_unless(RegionWeights::parse(many)->of("t63") == 2);
   fail_unless(has(refusal(many + ",one=2"), "at most 64"));
 }
-GST_END_TEST;
 
-static Suite *
-region_weights_suite(void)
-{
-  Suite *suite = suite_create("region_weights");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_weights);
-  tcase_add_test(tc, test_refusals);
-  return suite;
-}
-
-GST_CHECK_MAIN(region_weights);
+CHECK_MAIN(region_weights)

@@ -21,7 +21,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include "support/temporary_file.h"
 
@@ -50,7 +50,7 @@ assert_says(const std::string &text, const std::string &word)
 
 } // namespace
 
-GST_START_TEST(test_kinds)
+CHECK_TEST(test_kinds)
 {
   const TemporaryFolder folder;
   const std::string pipe = folder.file("pipe");
@@ -85,10 +85,9 @@ GST_START_TEST(test_kinds)
   fail_unless(unsized && unsized->find("Pid:") != std::string::npos);
   assert_says(reason_of(files::read("/proc/self/status", 10)), "larger");
 }
-GST_END_TEST;
 
 /// A pipe that the process was given for its output has a reader. What it has no room for fails.
-GST_START_TEST(test_own_output)
+CHECK_TEST(test_own_output)
 {
   int ends[2];
   fail_unless(pipe(ends) == 0);
@@ -113,10 +112,9 @@ GST_START_TEST(test_own_output)
   close(ends[0]);
   close(ends[1]);
 }
-GST_END_TEST;
 
 /// All that is read and written by a name that a user gives.
-GST_START_TEST(test_whoever_opens)
+CHECK_TEST(test_whoever_opens)
 {
   const TemporaryFolder folder;
   const auto pipe = [&](const std::string &name) {
@@ -133,10 +131,9 @@ GST_START_TEST(test_whoever_opens)
   assert_says(reason_of(tactor::read_command_trace(others)), "got a pipe");
   assert_says(reason_of(tactor::CommandTrace::create(others)), "got a pipe");
 }
-GST_END_TEST;
 
 /// What is no file is not replaced by one.
-GST_START_TEST(test_replace)
+CHECK_TEST(test_replace)
 {
   const TemporaryFolder folder;
   const std::string pipe = folder.file("pipe");
@@ -148,19 +145,5 @@ GST_START_TEST(test_replace)
   fail_unless(fs::is_fifo(pipe) && fs::is_regular_file(part));
   fail_unless(files::replace(*file, part, folder.file("new")).has_value());
 }
-GST_END_TEST;
 
-static Suite *
-regular_file_suite()
-{
-  Suite *suite = suite_create("regular_file");
-  TCase *tests = tcase_create("all");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_kinds);
-  tcase_add_test(tests, test_own_output);
-  tcase_add_test(tests, test_whoever_opens);
-  tcase_add_test(tests, test_replace);
-  return suite;
-}
-
-GST_CHECK_MAIN(regular_file)
+CHECK_MAIN(regular_file)

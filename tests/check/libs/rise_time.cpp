@@ -9,6 +9,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -56,7 +58,7 @@ sum_of_hats(const RiseTimeTable &table, double start, double target)
 
 } // namespace
 
-GST_START_TEST(test_equation_1)
+CHECK_TEST(test_equation_1)
 {
   struct Case
   {
@@ -86,9 +88,8 @@ GST_START_TEST(test_equation_1)
   fail_unless(rise(0, 2.26) < rise(0, 2.2));
   fail_unless(rise(0, 2.26) < rise(0, 2.35));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nothing_to_compensate)
+CHECK_TEST(test_nothing_to_compensate)
 {
   const RiseTime table(RiseTimeTable{ .step_volts = 1, .size = 1, .milliseconds = { 60 } });
   for (const RiseTime &rise : { RiseTime(), table }) {
@@ -107,9 +108,8 @@ GST_START_TEST(test_nothing_to_compensate)
     fail_unless(rise(kNan, kNan) == 0ns);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_range)
+CHECK_TEST(test_range)
 {
   const RiseTime slow(RiseTimeTable{ .step_volts = 1, .size = 1, .milliseconds = { 1e300 } });
   fail_unless(slow(0, 3) == 1h);
@@ -120,9 +120,8 @@ GST_START_TEST(test_range)
   }
   fail_unless(quadratic(0, 1e6) == 1h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_table)
+CHECK_TEST(test_table)
 {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> inside(0.0, 1.0);
@@ -142,9 +141,8 @@ GST_START_TEST(test_table)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_table_points_and_edges)
+CHECK_TEST(test_table_points_and_edges)
 {
   // Rows are start voltages, columns are targets, in steps of 1 V
   const RiseTimeTable table{ .step_volts = 1,
@@ -165,9 +163,8 @@ GST_START_TEST(test_table_points_and_edges)
   const RiseTime copy = rise;
   fail_unless(copy(0.5, 1.5) == 40ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_wrong_tables)
+CHECK_TEST(test_wrong_tables)
 {
   const RiseTimeTable good{ .step_volts = 0.5, .size = 2, .milliseconds = { 1, 2, 3, 0 } };
   fail_unless(fault_of(good).empty());
@@ -200,21 +197,5 @@ GST_START_TEST(test_wrong_tables)
   }
   fail_if(fault_of(RiseTimeTable{}).empty());
 }
-GST_END_TEST;
 
-static Suite *
-rise_time_suite(void)
-{
-  Suite *suite = suite_create("rise_time");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_equation_1);
-  tcase_add_test(tests, test_nothing_to_compensate);
-  tcase_add_test(tests, test_range);
-  tcase_add_test(tests, test_table);
-  tcase_add_test(tests, test_table_points_and_edges);
-  tcase_add_test(tests, test_wrong_tables);
-  return suite;
-}
-
-GST_CHECK_MAIN(rise_time)
+CHECK_MAIN(rise_time)

@@ -10,6 +10,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace tactor;
 
 namespace {
@@ -34,7 +36,7 @@ papers_grid(double noise_ms = 0, unsigned seed = 3)
 
 } // namespace
 
-GST_START_TEST(papers_equation_is_recovered_to_its_printed_digits)
+CHECK_TEST(papers_equation_is_recovered_to_its_printed_digits)
 {
   const auto fit = fit_quadratic(papers_grid());
   fail_unless(fit.has_value());
@@ -45,11 +47,10 @@ GST_START_TEST(papers_equation_is_recovered_to_its_printed_digits)
   fail_unless_near(fit->r_squared, 1, 1e-9);
   fail_unless_near((*fit)(0.5, 1.5), rise_time_quadratic_ms(0.5, 1.5), 1e-6);
 }
-GST_END_TEST
 
 // With noise that matches the paper's R² of 0.98, 95 of 100 confidence intervals contain the true
 // value.
-GST_START_TEST(confidence_intervals_contain_the_truth)
+CHECK_TEST(confidence_intervals_contain_the_truth)
 {
   constexpr int kTimes = 400;
   std::array<int, 6> within{};
@@ -64,9 +65,8 @@ GST_START_TEST(confidence_intervals_contain_the_truth)
   for (const int count : within)
     fail_unless_near(static_cast<double>(count) / kTimes, 0.95, 0.035);
 }
-GST_END_TEST
 
-GST_START_TEST(too_few_samples_give_no_fit)
+CHECK_TEST(too_few_samples_give_no_fit)
 {
   std::vector<RiseTimeSample> samples = papers_grid();
   samples.resize(6);
@@ -77,11 +77,10 @@ GST_START_TEST(too_few_samples_give_no_fit)
   fail_if(fit_quadratic(samples).has_value());
   fail_if(fit_quadratic({}).has_value());
 }
-GST_END_TEST
 
 // Against the minimax formula for isotonic regression: max over i ≤ k of min over j ≥ k of
 // mean(i…j).
-GST_START_TEST(isotonic_is_the_nearest_rising_sequence)
+CHECK_TEST(isotonic_is_the_nearest_rising_sequence)
 {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> value(0, 9);
@@ -107,9 +106,8 @@ GST_START_TEST(isotonic_is_the_nearest_rising_sequence)
     }
   }
 }
-GST_END_TEST
 
-GST_START_TEST(table_contains_the_samples_and_is_monotonic)
+CHECK_TEST(table_contains_the_samples_and_is_monotonic)
 {
   const auto truth = [](double start, double target) {
     return 20 + 150 * std::exp(-(target + 0.3 * start) / 0.8);
@@ -131,11 +129,10 @@ GST_START_TEST(table_contains_the_samples_and_is_monotonic)
       fail_unless(table.milliseconds[static_cast<std::size_t>(start * 31 + target)]
                   <= table.milliseconds[static_cast<std::size_t>(start * 31 + target - 1)] + 1e-9);
 }
-GST_END_TEST
 
 // What one run of a measurement has: rises from rest to 0.4 to 1 V and to 1.5 V. In between
 // the table is that of the motor.
-GST_START_TEST(table_of_rises_from_rest_alone)
+CHECK_TEST(table_of_rises_from_rest_alone)
 {
   std::vector<RiseTimeSample> samples;
   for (const int tenth : { 4, 5, 6, 7, 8, 9, 10, 15 })
@@ -149,28 +146,10 @@ GST_START_TEST(table_of_rises_from_rest_alone)
     fail_unless_near(ms, rise_time_quadratic_ms(0, volts), 0.2); // linear within 0.1 V
   }
 }
-GST_END_TEST
 
-GST_START_TEST(no_samples_give_no_table)
+CHECK_TEST(no_samples_give_no_table)
 {
   fail_if(monotone_table({}, 3.0));
 }
-GST_END_TEST
 
-static Suite *
-rise_time_fit_suite(void)
-{
-  Suite *suite = suite_create("rise_time_fit");
-  TCase *tests = tcase_create("fit");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, papers_equation_is_recovered_to_its_printed_digits);
-  tcase_add_test(tests, confidence_intervals_contain_the_truth);
-  tcase_add_test(tests, too_few_samples_give_no_fit);
-  tcase_add_test(tests, isotonic_is_the_nearest_rising_sequence);
-  tcase_add_test(tests, table_contains_the_samples_and_is_monotonic);
-  tcase_add_test(tests, table_of_rises_from_rest_alone);
-  tcase_add_test(tests, no_samples_give_no_table);
-  return suite;
-}
-
-GST_CHECK_MAIN(rise_time_fit)
+CHECK_MAIN(rise_time_fit)

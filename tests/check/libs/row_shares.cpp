@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using saliency::RowShares;
 
@@ -31,7 +31,7 @@ each_once(const std::vector<int> &taken)
 
 } // namespace
 
-GST_START_TEST(test_each_row_once)
+CHECK_TEST(test_each_row_once)
 {
   // Threads of any speed: a random one is next.
   std::mt19937 generator(1);
@@ -53,9 +53,8 @@ GST_START_TEST(test_each_row_once)
         fail_unless(each_once(taken), "%d rows, %d threads", rows, threads);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_late_thread)
+CHECK_TEST(test_late_thread)
 {
   // While one thread sleeps, the other takes its own half and nearly all of the rest.
   RowShares shares;
@@ -69,9 +68,8 @@ GST_START_TEST(test_late_thread)
   }
   fail_unless(each_once(taken));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_threads)
+CHECK_TEST(test_threads)
 {
   saliency::ThreadPool pool;
   RowShares shares;
@@ -85,18 +83,5 @@ GST_START_TEST(test_threads)
     fail_unless(each_once(taken));
   }
 }
-GST_END_TEST;
 
-static Suite *
-row_shares_suite(void)
-{
-  Suite *suite = suite_create("row_shares");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_each_row_once);
-  tcase_add_test(tc, test_late_thread);
-  tcase_add_test(tc, test_threads);
-  return suite;
-}
-
-GST_CHECK_MAIN(row_shares);
+CHECK_MAIN(row_shares)

@@ -21,6 +21,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 namespace rows = saliency::rows;
 
 namespace {
@@ -68,7 +70,7 @@ with_all(const std::function<std::vector<float>(std::size_t)> &check)
 
 } // namespace
 
-GST_START_TEST(test_enlarge)
+CHECK_TEST(test_enlarge)
 {
   with_all([](std::size_t n) {
     std::vector<float> found;
@@ -98,9 +100,8 @@ GST_START_TEST(test_enlarge)
     return found;
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_contrasts)
+CHECK_TEST(test_contrasts)
 {
   with_all([](std::size_t n) {
     std::vector<std::vector<float>> r;
@@ -122,9 +123,8 @@ GST_START_TEST(test_contrasts)
     return out;
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_count_changed)
+CHECK_TEST(test_count_changed)
 {
   with_all([](std::size_t n) {
     std::vector<std::vector<float>> r;
@@ -139,9 +139,8 @@ GST_START_TEST(test_count_changed)
     return std::vector<float>{ static_cast<float>(expected) };
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_keep_between)
+CHECK_TEST(test_keep_between)
 {
   with_all([](std::size_t n) {
     for (const float low : { 0.0F, 10.0F, 90.0F }) {
@@ -157,9 +156,8 @@ GST_START_TEST(test_keep_between)
     return std::vector<float>{ 0 };
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_greatest)
+CHECK_TEST(test_greatest)
 {
   with_all([](std::size_t n) {
     std::vector<float> found;
@@ -179,9 +177,8 @@ GST_START_TEST(test_greatest)
     return found;
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_dilation)
+CHECK_TEST(test_dilation)
 {
   std::mt19937 generator(15);
   for (int width = 1; width <= static_cast<int>(kLongest); ++width)
@@ -201,9 +198,8 @@ GST_START_TEST(test_dilation)
         }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_integrals)
+CHECK_TEST(test_integrals)
 {
   with_all([](std::size_t n) {
     const auto map = random_row(n, 9);
@@ -223,7 +219,6 @@ GST_START_TEST(test_integrals)
     return found;
   });
 }
-GST_END_TEST;
 
 /// Against sorting: many equal values, zeros, and values across all powers of two.
 static void
@@ -247,7 +242,7 @@ check_quantiles()
     }
 }
 
-GST_START_TEST(test_quantile)
+CHECK_TEST(test_quantile)
 {
   check_quantiles();
 #ifdef __SSE2__
@@ -258,23 +253,5 @@ GST_START_TEST(test_quantile)
   _mm_setcsr(before);
 #endif
 }
-GST_END_TEST;
 
-static Suite *
-rows_suite(void)
-{
-  Suite *suite = suite_create("rows");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_enlarge);
-  tcase_add_test(tc, test_contrasts);
-  tcase_add_test(tc, test_count_changed);
-  tcase_add_test(tc, test_keep_between);
-  tcase_add_test(tc, test_greatest);
-  tcase_add_test(tc, test_dilation);
-  tcase_add_test(tc, test_integrals);
-  tcase_add_test(tc, test_quantile);
-  return suite;
-}
-
-GST_CHECK_MAIN(rows);
+CHECK_MAIN(rows)

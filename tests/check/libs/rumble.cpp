@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/rumble.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -11,16 +11,15 @@ static constexpr GamepadLevels kZero{};
 static constexpr GamepadLevels kLow{ 1, 0, 0, 0 };
 static constexpr GamepadLevels kHigh{ 0, 0.5, 0, 0 };
 
-GST_START_TEST(test_begins_with_zero)
+CHECK_TEST(test_begins_with_zero)
 {
   Rumble rumble(10ms, kTimes);
   fail_unless(rumble.next(1s) == kZero);
   fail_if(rumble.next(1s).has_value());
   fail_if(rumble.deadline().has_value());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_sends_newest_at_interval)
+CHECK_TEST(test_sends_newest_at_interval)
 {
   Rumble rumble(50ms, kTimes);
   rumble.next(0s);
@@ -34,10 +33,9 @@ GST_START_TEST(test_sends_newest_at_interval)
   fail_unless(rumble.next(100ms) == kZero);
   fail_if(rumble.deadline().has_value());
 }
-GST_END_TEST;
 
 /// Levels that are not written again are not sent again, and end with their duration.
-GST_START_TEST(test_watchdog)
+CHECK_TEST(test_watchdog)
 {
   Rumble rumble(10ms, kTimes);
   rumble.next(0s);
@@ -46,10 +44,9 @@ GST_START_TEST(test_watchdog)
   fail_if(rumble.deadline().has_value());
   fail_if(rumble.next(1h).has_value());
 }
-GST_END_TEST;
 
 /// Levels written every `refresh` never end, at any interval.
-GST_START_TEST(test_renewal)
+CHECK_TEST(test_renewal)
 {
   for (const Time interval : { Time(10ms), Time(50ms) }) {
     Rumble rumble(interval, kTimes);
@@ -72,9 +69,8 @@ GST_START_TEST(test_renewal)
     fail_unless(2s - sent < kTimes.duration);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_zero_is_not_renewed)
+CHECK_TEST(test_zero_is_not_renewed)
 {
   Rumble rumble(10ms, kTimes);
   rumble.next(0s);
@@ -82,30 +78,12 @@ GST_START_TEST(test_zero_is_not_renewed)
   fail_if(rumble.next(1h).has_value());
   fail_if(rumble.is_on());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_interval_of_connection)
+CHECK_TEST(test_interval_of_connection)
 {
   fail_unless(shortest_interval({ .vendor = 0x045e }) == 10ms);
   fail_unless(shortest_interval({ .vendor = 0x045e, .is_bluetooth = true }) == 50ms);
   fail_unless(shortest_interval({ .vendor = 0x054c, .is_bluetooth = true }) == 10ms);
 }
-GST_END_TEST;
 
-static Suite *
-rumble_suite(void)
-{
-  Suite *suite = suite_create("rumble");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_begins_with_zero);
-  tcase_add_test(tcase, test_sends_newest_at_interval);
-  tcase_add_test(tcase, test_watchdog);
-  tcase_add_test(tcase, test_renewal);
-  tcase_add_test(tcase, test_zero_is_not_renewed);
-  tcase_add_test(tcase, test_interval_of_connection);
-  return suite;
-}
-
-GST_CHECK_MAIN(rumble);
+CHECK_MAIN(rumble)

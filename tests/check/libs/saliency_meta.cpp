@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr std::array<gfloat, 6> kValues{ 0.0F, 12.5F, 3.0F, 100.0F, 0.001F, 7.0F };
@@ -45,7 +47,7 @@ count_metas(GstBuffer *buffer)
 
 } // namespace
 
-GST_START_TEST(test_add_and_get)
+CHECK_TEST(test_add_and_get)
 {
   GstBuffer *buffer = gst_buffer_new();
   fail_unless(gst_buffer_get_saliency_meta(buffer) == nullptr);
@@ -58,9 +60,8 @@ GST_START_TEST(test_add_and_get)
     fail_unless_equals_string(tags[i], expected[i]);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_values_are_finite)
+CHECK_TEST(test_values_are_finite)
 {
   constexpr gfloat inf = std::numeric_limits<gfloat>::infinity();
   const std::array<gfloat, 4> wild{ -1, std::nanf(""), inf, 1e30F };
@@ -71,9 +72,8 @@ GST_START_TEST(test_values_are_finite)
     fail_unless(gst_saliency_meta_get_value(meta, i, 0) == tame[i]);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   const std::vector<gfloat> many(4097 * 2, 1.0F);
   GstBuffer *buffer = gst_buffer_new();
@@ -99,9 +99,8 @@ GST_START_TEST(test_limits)
   g_test_assert_expected_messages();
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_per_buffer)
+CHECK_TEST(test_one_per_buffer)
 {
   const std::array<gfloat, 1> other{ 9 };
   GstBuffer *buffer = gst_buffer_new();
@@ -111,9 +110,8 @@ GST_START_TEST(test_one_per_buffer)
   assert_values(buffer);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_copies_and_transforms)
+CHECK_TEST(test_copies_and_transforms)
 {
   GstBuffer *buffer = gst_buffer_new_allocate(nullptr, 100, nullptr);
   GstMeta *meta = &add(buffer)->meta;
@@ -141,20 +139,5 @@ GST_START_TEST(test_copies_and_transforms)
   for (GstBuffer *copy : { whole, region, scaled, other })
     gst_buffer_unref(copy);
 }
-GST_END_TEST;
 
-static Suite *
-saliency_meta_suite(void)
-{
-  Suite *suite = suite_create("saliency_meta");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_add_and_get);
-  tcase_add_test(tests, test_values_are_finite);
-  tcase_add_test(tests, test_limits);
-  tcase_add_test(tests, test_one_per_buffer);
-  tcase_add_test(tests, test_copies_and_transforms);
-  return suite;
-}
-
-GST_CHECK_MAIN(saliency_meta)
+CHECK_MAIN(saliency_meta)

@@ -18,6 +18,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using saliency::LabImage;
 using saliency::Similarity;
 using saliency::TexturedPoints;
@@ -118,7 +120,7 @@ random_points(int count, cv::Size size, unsigned seed)
 
 } // namespace
 
-GST_START_TEST(test_shift_equations)
+CHECK_TEST(test_shift_equations)
 {
   constexpr float kScale = 4;
   const cv::Size size(kMostWidth, kHeight);
@@ -152,9 +154,8 @@ GST_START_TEST(test_shift_equations)
         return std::vector<float>(values.begin(), values.end());
       });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_warp)
+CHECK_TEST(test_warp)
 {
   for (int width = kLeastWidth; width <= kMostWidth; ++width)
     for (const Similarity &motion : kMotions) {
@@ -180,17 +181,5 @@ GST_START_TEST(test_warp)
       });
     }
 }
-GST_END_TEST;
 
-static Suite *
-sampling_suite(void)
-{
-  Suite *suite = suite_create("sampling");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_shift_equations);
-  tcase_add_test(tc, test_warp);
-  return suite;
-}
-
-GST_CHECK_MAIN(sampling);
+CHECK_MAIN(sampling)

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -61,7 +61,7 @@ compare(const ScheduleStatistics &statistics, Sorted &sorted)
 
 } // namespace
 
-GST_START_TEST(test_empty)
+CHECK_TEST(test_empty)
 {
   const ScheduleStatistics none;
   fail_unless(none.count() == 0);
@@ -69,9 +69,8 @@ GST_START_TEST(test_empty)
   for (const double share : { 0.0, 0.5, 0.99, 1.0 })
     fail_unless(none.percentile(share) == 0ns);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_by_hand)
+CHECK_TEST(test_by_hand)
 {
   ScheduleStatistics statistics;
   for (const Time error : { Time(40us), Time(-20us), Time(0us), Time(100us) })
@@ -88,9 +87,8 @@ GST_START_TEST(test_by_hand)
   fail_unless(statistics.percentile(0.76) == 100us);
   fail_unless(statistics.percentile(1) == 100us);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_value)
+CHECK_TEST(test_one_value)
 {
   for (const Time error : { Time(0), Time(1), Time(10us), Time(1s), Time(1h), Time(-7ms) }) {
     ScheduleStatistics statistics;
@@ -102,9 +100,8 @@ GST_START_TEST(test_one_value)
     fail_unless(statistics.percentile(0.99) == value);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_against_sorting)
+CHECK_TEST(test_against_sorting)
 {
   std::mt19937 random(1);
   for (const double spread : { 3e3, 1e6, 4e8, 3e9 })
@@ -120,9 +117,8 @@ GST_START_TEST(test_against_sorting)
       compare(statistics, sorted);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_beyond_a_second)
+CHECK_TEST(test_beyond_a_second)
 {
   ScheduleStatistics statistics;
   Sorted sorted;
@@ -134,9 +130,8 @@ GST_START_TEST(test_beyond_a_second)
   fail_unless(statistics.percentile(0.4) == 1s);
   fail_unless(statistics.percentile(0.6) == 3h);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_extremes)
+CHECK_TEST(test_extremes)
 {
   ScheduleStatistics statistics;
   statistics.add(Time::min());
@@ -147,9 +142,8 @@ GST_START_TEST(test_extremes)
   fail_unless(statistics.max() == Time::max());
   fail_unless(statistics.percentile(1) == Time::max());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_a_million)
+CHECK_TEST(test_a_million)
 {
   std::mt19937 random(2);
   std::exponential_distribution<double> error(1 / 200e3); // 0.2 ms on average
@@ -162,22 +156,5 @@ GST_START_TEST(test_a_million)
   }
   compare(statistics, sorted);
 }
-GST_END_TEST;
 
-static Suite *
-schedule_statistics_suite(void)
-{
-  Suite *suite = suite_create("schedule_statistics");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_empty);
-  tcase_add_test(tests, test_by_hand);
-  tcase_add_test(tests, test_one_value);
-  tcase_add_test(tests, test_against_sorting);
-  tcase_add_test(tests, test_beyond_a_second);
-  tcase_add_test(tests, test_extremes);
-  tcase_add_test(tests, test_a_million);
-  return suite;
-}
-
-GST_CHECK_MAIN(schedule_statistics)
+CHECK_MAIN(schedule_statistics)

@@ -13,7 +13,7 @@
 #include <condition_variable>
 #include <mutex>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -24,7 +24,7 @@ constexpr std::array<int, 4> kZero{};
 
 } // namespace
 
-GST_START_TEST(test_motors)
+CHECK_TEST(test_motors)
 {
   VirtualPad pad("virtual pad");
   const auto driver = unwrap(make_driver("gamepad"));
@@ -35,10 +35,9 @@ GST_START_TEST(test_motors)
   driver->close();
   fail_unless(pad.levels() == kZero);
 }
-GST_END_TEST;
 
 /// Without another write() SDL stops the motors.
-GST_START_TEST(test_watchdog)
+CHECK_TEST(test_watchdog)
 {
   VirtualPad pad("virtual pad");
   const auto driver = unwrap(make_driver("gamepad"));
@@ -49,10 +48,9 @@ GST_START_TEST(test_watchdog)
   unwrap(driver->write(std::array{ 3.0, 3.0, 3.0, 3.0 }, 0s));
   pad.wait_for({ 65535, 65535, 65535, 65535 });
 }
-GST_END_TEST;
 
 /// A pad may run from before: the first thing it is sent is a zero, though SDL takes it for silent.
-GST_START_TEST(test_zero_at_first)
+CHECK_TEST(test_zero_at_first)
 {
   VirtualPad pad("virtual pad");
   const auto driver = unwrap(make_driver("gamepad"));
@@ -66,10 +64,9 @@ GST_START_TEST(test_zero_at_first)
     return levels == std::array{ 1, 1 };
   }));
 }
-GST_END_TEST;
 
 /// A rumble that fails may have begun: SDL 3 takes the pad for silent then.
-GST_START_TEST(test_zero_after_a_failure)
+CHECK_TEST(test_zero_after_a_failure)
 {
   VirtualPad pad("virtual pad", false);
   const auto driver = unwrap(make_driver("gamepad"));
@@ -81,10 +78,9 @@ GST_START_TEST(test_zero_after_a_failure)
   driver->close();
   fail_unless(pad.levels() == kZero);
 }
-GST_END_TEST;
 
 /// Two drivers take two gamepads; there is no third.
-GST_START_TEST(test_several)
+CHECK_TEST(test_several)
 {
   VirtualPad left("left pad");
   VirtualPad right("right pad", false);
@@ -103,9 +99,8 @@ GST_START_TEST(test_several)
   fail_unless(left.levels() == kZero);
   unwrap(third->open({ .device = "left pad" }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unplugged)
+CHECK_TEST(test_unplugged)
 {
   std::mutex mutex;
   std::condition_variable changed;
@@ -124,19 +119,17 @@ GST_START_TEST(test_unplugged)
   fail_if(driver->status().is_there);
   driver->close();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_unknown_name)
+CHECK_TEST(test_unknown_name)
 {
   const auto driver = unwrap(make_driver("gamepad"));
   const DriverError error = refusal_of(driver->open({ .device = "no such pad" }));
   fail_unless(error.kind == DriverError::Kind::not_found);
   assert_contains(error.text, { "no such pad" });
 }
-GST_END_TEST;
 
 /// SDL is loaded by open() of this driver alone.
-GST_START_TEST(test_module_is_not_there)
+CHECK_TEST(test_module_is_not_there)
 {
   g_setenv("VISUOTACTILE_MODULES", "/nowhere", TRUE);
   const auto driver = unwrap(make_driver("gamepad"));
@@ -144,24 +137,5 @@ GST_START_TEST(test_module_is_not_there)
   fail_unless(error.kind == DriverError::Kind::not_found);
   assert_contains(error.text, { "gstreamer1.0-visuotactile-gamepad" });
 }
-GST_END_TEST;
 
-static Suite *
-sdl_gamepads_suite(void)
-{
-  Suite *suite = suite_create("sdl_gamepads");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_motors);
-  tcase_add_test(tcase, test_watchdog);
-  tcase_add_test(tcase, test_zero_at_first);
-  tcase_add_test(tcase, test_zero_after_a_failure);
-  tcase_add_test(tcase, test_several);
-  tcase_add_test(tcase, test_unplugged);
-  tcase_add_test(tcase, test_unknown_name);
-  tcase_add_test(tcase, test_module_is_not_there);
-  return suite;
-}
-
-GST_CHECK_MAIN(sdl_gamepads);
+CHECK_MAIN(sdl_gamepads)

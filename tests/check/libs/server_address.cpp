@@ -4,9 +4,11 @@
 #include "support/contains.h"
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using namespace tactor;
 
-GST_START_TEST(test_forms)
+CHECK_TEST(test_forms)
 {
   const auto expect = [](const char *device, const char *name, const char *address) {
     const ServedName served = unwrap(read_served_name(device, 12345));
@@ -21,9 +23,8 @@ GST_START_TEST(test_forms)
   expect("vest@[::1]", "vest", "[::1]:12345");
   expect("vest@[::1]:1", "vest", "[::1]:1");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   for (const char *device :
        { "vest@", "vest@:1", "vest@host:", "vest@host:0", "vest@host:65536", "vest@host:1x",
@@ -31,17 +32,5 @@ GST_START_TEST(test_refused)
     assert_contains(refusal_of(read_served_name(device, 12345)).text,
                     { device, "expected a name", "NAME@HOST:PORT" });
 }
-GST_END_TEST;
 
-static Suite *
-server_address_suite(void)
-{
-  Suite *suite = suite_create("server_address");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_forms);
-  tcase_add_test(tests, test_refused);
-  return suite;
-}
-
-GST_CHECK_MAIN(server_address);
+CHECK_MAIN(server_address)

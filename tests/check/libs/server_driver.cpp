@@ -17,6 +17,8 @@
 #include <thread>
 #include <tuple>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 using Kind = DriverError::Kind;
@@ -113,7 +115,7 @@ cases()
 
 } // namespace
 
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind, "ping=300" });
@@ -133,10 +135,9 @@ GST_START_TEST(test_levels)
     server.wait_for("gone");
   }
 }
-GST_END_TEST;
 
 /// Whoever writes the levels goes on for ever: the driver's thread ends them.
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   HapticServer server({ "buttplug4" });
   ServerDriver driver(make_intiface_server);
@@ -153,10 +154,9 @@ GST_START_TEST(test_limits)
   server.wait_for_line("motors 0 0=10");
   server.wait_for_line("motors 0");
 }
-GST_END_TEST;
 
 /// The server's pings are answered for as long as it is open.
-GST_START_TEST(test_pings)
+CHECK_TEST(test_pings)
 {
   HapticServer server({ "buttplug4", "ping=20" });
   Rig rig(make_intiface_server);
@@ -164,10 +164,9 @@ GST_START_TEST(test_pings)
   for (int i = 0; i < 5; i++)
     server.wait_for("got [{\"Ping\"");
 }
-GST_END_TEST;
 
 /// Levels that nobody writes again end.
-GST_START_TEST(test_host_silence)
+CHECK_TEST(test_host_silence)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind });
@@ -186,10 +185,9 @@ GST_START_TEST(test_host_silence)
     server.wait_for_line(one.zero);
   }
 }
-GST_END_TEST;
 
 /// A child process plays until it is killed. The duration ends the level.
-GST_START_TEST(test_killed)
+CHECK_TEST(test_killed)
 {
   HapticServer server({ "bhaptics" });
   const pid_t child = fork();
@@ -205,10 +203,9 @@ GST_START_TEST(test_killed)
   waitpid(child, nullptr, 0);
   server.wait_for_line("expired VestBack");
 }
-GST_END_TEST;
 
 /// A child process plays until SIGTERM, which it does not survive.
-GST_START_TEST(test_zero_on_signal)
+CHECK_TEST(test_zero_on_signal)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind });
@@ -229,11 +226,10 @@ GST_START_TEST(test_zero_on_signal)
     fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
   }
 }
-GST_END_TEST;
 
 /// A server that takes 200 ms for each message: nothing waits behind the one that it has, though
 /// levels change all the time.
-GST_START_TEST(test_slow_server)
+CHECK_TEST(test_slow_server)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind, "slow=200" });
@@ -251,10 +247,9 @@ GST_START_TEST(test_slow_server)
       assert_text(waiting, "waiting 0");
   }
 }
-GST_END_TEST;
 
 /// The server goes away and comes back. The levels are those written meanwhile.
-GST_START_TEST(test_lost_and_back)
+CHECK_TEST(test_lost_and_back)
 {
   for (const Case &one : cases()) {
     auto server = std::make_unique<HapticServer>(std::vector<std::string>{ one.kind });
@@ -273,10 +268,9 @@ GST_START_TEST(test_lost_and_back)
     fail_unless(rig.driver.status().reconnects == 1);
   }
 }
-GST_END_TEST;
 
 /// The server has no such device any more, and has it again.
-GST_START_TEST(test_device_lost_and_back)
+CHECK_TEST(test_device_lost_and_back)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind });
@@ -294,11 +288,10 @@ GST_START_TEST(test_device_lost_and_back)
     ck_assert_int_eq(std::ranges::count(rig.events, EventKind::refused, &DriverEvent::kind), 1);
   }
 }
-GST_END_TEST;
 
 /// Whatever a server does to a device that plays: which bound acted is told, and the server is
 /// looked for again.
-GST_START_TEST(test_bad_servers)
+CHECK_TEST(test_bad_servers)
 {
   for (const Case &one : cases())
     for (const auto &[behavior, most_messages, why] :
@@ -318,10 +311,9 @@ GST_START_TEST(test_bad_servers)
       ck_assert_int_ge(std::ranges::count(rig.events, EventKind::returned, &DriverEvent::kind), 1);
     }
 }
-GST_END_TEST;
 
 /// A server that reads nothing is left before what it was sent takes much memory.
-GST_START_TEST(test_deaf_server)
+CHECK_TEST(test_deaf_server)
 {
   HapticServer deaf({ "bhaptics", "deaf=1" });
   const Server server = unwrap(make_bhaptics_server(deaf.device("vest-back")));
@@ -340,10 +332,9 @@ GST_START_TEST(test_deaf_server)
   assert_text(event.text, "it does not read what is sent");
   ck_assert_uint_lt(sent, 1024); // the system's buffers have 64 MiB at most
 }
-GST_END_TEST;
 
 /// The latency follows the server, up to what is planned for.
-GST_START_TEST(test_latency)
+CHECK_TEST(test_latency)
 {
   for (const Case &one : cases()) {
     Rig rig(one.make);
@@ -368,9 +359,8 @@ GST_START_TEST(test_latency)
     fail_unless(rig.driver.transport_latency() == 150ms);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused_commands)
+CHECK_TEST(test_refused_commands)
 {
   HapticServer server({ "buttplug4", "refuses=3" });
   Rig rig(make_intiface_server);
@@ -379,10 +369,9 @@ GST_START_TEST(test_refused_commands)
   assert_contains(rig.wait_for(EventKind::warning).text, { "requires no pings" });
   assert_contains(rig.wait_for(EventKind::warning, 2).text, { "the device did not answer" });
 }
-GST_END_TEST;
 
 /// open() fails, and says what to do.
-GST_START_TEST(test_refusals)
+CHECK_TEST(test_refusals)
 {
   std::string port;
   for (const Case &one : cases()) {
@@ -416,10 +405,9 @@ GST_START_TEST(test_refusals)
   intiface.wait_for("gone");
   fail_unless(intiface.lines("motors").empty());
 }
-GST_END_TEST;
 
 /// As in Totem. check runs each test in a process of its own.
-GST_START_TEST(test_a_program_with_libsoup_2)
+CHECK_TEST(test_a_program_with_libsoup_2)
 {
   fail_unless(dlopen("libsoup-2.4.so.1", RTLD_LAZY) != nullptr, "%s", dlerror());
   for (const Case &one : cases()) {
@@ -428,10 +416,9 @@ GST_START_TEST(test_a_program_with_libsoup_2)
     assert_contains(server.error().text, { "this program's libsoup 2", "take another driver" });
   }
 }
-GST_END_TEST;
 
 /// A server that answers nothing does not keep open() from being stopped.
-GST_START_TEST(test_stopped_opening)
+CHECK_TEST(test_stopped_opening)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind, "silent=1" });
@@ -446,10 +433,9 @@ GST_START_TEST(test_stopped_opening)
     assert_contains(refusal_of(rig.driver.open(config)).text, { "stopped" });
   }
 }
-GST_END_TEST;
 
 /// What one driver plays on no other gets, and the first one plays on.
-GST_START_TEST(test_one_driver_a_device)
+CHECK_TEST(test_one_driver_a_device)
 {
   for (const Case &one : cases()) {
     HapticServer server({ one.kind });
@@ -478,40 +464,11 @@ GST_START_TEST(test_one_driver_a_device)
   Rig both(make_bhaptics_server);
   assert_contains(both.refusal(suit.device("vest")).text, { "'VestBack', 'VestFront'" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_registry)
+CHECK_TEST(test_registry)
 {
   for (const char *name : { "bhaptics", "intiface" })
     fail_unless(make_driver(name).has_value());
 }
-GST_END_TEST;
 
-static Suite *
-server_driver_suite(void)
-{
-  Suite *suite = suite_create("server_driver");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_levels);
-  tcase_add_test(tests, test_limits);
-  tcase_add_test(tests, test_pings);
-  tcase_add_test(tests, test_host_silence);
-  tcase_add_test(tests, test_killed);
-  tcase_add_test(tests, test_zero_on_signal);
-  tcase_add_test(tests, test_slow_server);
-  tcase_add_test(tests, test_lost_and_back);
-  tcase_add_test(tests, test_device_lost_and_back);
-  tcase_add_test(tests, test_bad_servers);
-  tcase_add_test(tests, test_deaf_server);
-  tcase_add_test(tests, test_latency);
-  tcase_add_test(tests, test_refused_commands);
-  tcase_add_test(tests, test_refusals);
-  tcase_add_test(tests, test_a_program_with_libsoup_2);
-  tcase_add_test(tests, test_stopped_opening);
-  tcase_add_test(tests, test_one_driver_a_device);
-  tcase_add_test(tests, test_registry);
-  return suite;
-}
-
-GST_CHECK_MAIN(server_driver);
+CHECK_MAIN(server_driver)

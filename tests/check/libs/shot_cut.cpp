@@ -4,6 +4,8 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using saliency::LabImage;
 using saliency::Profile;
 using saliency::ShotCut;
@@ -40,7 +42,7 @@ picture(cv::Vec3f color, int count = 80)
 
 } // namespace
 
-GST_START_TEST(test_share)
+CHECK_TEST(test_share)
 {
   // More than half of 80 pixels: 41 make a cut, 40 do not. The same on the way back.
   ShotCut cut(profile(0.5, 6));
@@ -50,9 +52,8 @@ GST_START_TEST(test_share)
     ck_assert_int_eq(cut(picture({})), count > 40);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_contrast)
+CHECK_TEST(test_contrast)
 {
   // (2, 3, 6) is 7 ΔE from black, whatever the signs.
   for (const auto &color : { cv::Vec3f(2, 3, 6), cv::Vec3f(2, -6, 3), cv::Vec3f(6, 2, -3) })
@@ -62,9 +63,8 @@ GST_START_TEST(test_contrast)
       ck_assert_int_eq(cut(picture(color)), contrast < 7);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_slow_change)
+CHECK_TEST(test_slow_change)
 {
   // A fade over 20 frames is no cut, although its last picture differs from its first: each frame
   // is compared with its predecessor.
@@ -73,9 +73,8 @@ GST_START_TEST(test_slow_change)
     fail_if(cut(picture({ 5.0F * static_cast<float>(i), 0, 0 })));
   fail_unless(cut(picture({})));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_first_frame)
+CHECK_TEST(test_first_frame)
 {
   ShotCut cut(profile(0, 6));
   const LabImage white = picture({ 100, 0, 0 });
@@ -93,9 +92,8 @@ GST_START_TEST(test_first_frame)
   fail_if(never(white));
   fail_if(never(picture({})));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_copies)
+CHECK_TEST(test_copies)
 {
   // The caller may reuse the frame's memory.
   ShotCut cut(profile(0.5, 6));
@@ -104,9 +102,8 @@ GST_START_TEST(test_copies)
   frame.planes[0].setTo(100);
   fail_unless(cut(frame));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_few_samples)
+CHECK_TEST(test_few_samples)
 {
   // 63 samples are too few to decide, 64 are enough.
   for (const cv::Size size : { cv::Size(9, 7), cv::Size(8, 8), cv::Size(1, 1) }) {
@@ -115,21 +112,5 @@ GST_START_TEST(test_few_samples)
     ck_assert_int_eq(cut(even(size, { 100, 0, 0 })), size.area() == 64);
   }
 }
-GST_END_TEST;
 
-static Suite *
-shot_cut_suite(void)
-{
-  Suite *suite = suite_create("shot_cut");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_share);
-  tcase_add_test(tc, test_contrast);
-  tcase_add_test(tc, test_slow_change);
-  tcase_add_test(tc, test_first_frame);
-  tcase_add_test(tc, test_copies);
-  tcase_add_test(tc, test_few_samples);
-  return suite;
-}
-
-GST_CHECK_MAIN(shot_cut);
+CHECK_MAIN(shot_cut)

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "support/check_tests.h"
+
 using saliency::Similarity;
 
 namespace {
@@ -25,7 +27,7 @@ const Similarity kSome[] = { {},
 
 } // namespace
 
-GST_START_TEST(test_points)
+CHECK_TEST(test_points)
 {
   // Scale 2, a quarter turn from x to y, then 10 to the right and 20 down.
   const Similarity s = similarity(2, std::numbers::pi / 2, 10, 20);
@@ -34,9 +36,8 @@ GST_START_TEST(test_points)
   const Similarity identity;
   fail_unless(identity.x(3, 4) == 3 && identity.y(3, 4) == 4);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_composition)
+CHECK_TEST(test_composition)
 {
   for (const auto &outer : kSome)
     for (const auto &inner : kSome) {
@@ -49,9 +50,8 @@ GST_START_TEST(test_composition)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_inverse)
+CHECK_TEST(test_inverse)
 {
   for (const auto &s : kSome)
     for (const auto &[x, y] : { std::pair{ 0.0, 0.0 }, { 1.0, 0.0 }, { -7.0, 31.0 } }) {
@@ -60,9 +60,8 @@ GST_START_TEST(test_inverse)
       fail_unless_near(s.x(s.inverse().x(x, y), s.inverse().y(x, y)), x, 1e-9);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_units)
+CHECK_TEST(test_units)
 {
   // In units four times as long a point's coordinates are a quarter.
   for (const auto &s : kSome)
@@ -72,19 +71,5 @@ GST_START_TEST(test_units)
       fail_unless_near(coarse.y(5 / unit, 8 / unit), s.y(5, 8) / unit, 1e-9);
     }
 }
-GST_END_TEST;
 
-static Suite *
-similarity_suite(void)
-{
-  Suite *suite = suite_create("similarity");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_points);
-  tcase_add_test(tc, test_composition);
-  tcase_add_test(tc, test_inverse);
-  tcase_add_test(tc, test_units);
-  return suite;
-}
-
-GST_CHECK_MAIN(similarity);
+CHECK_MAIN(similarity)

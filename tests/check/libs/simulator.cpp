@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "support/check_tests.h"
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -80,7 +80,7 @@ refusal(const DriverConfig &config)
 
 } // namespace
 
-GST_START_TEST(test_capabilities)
+CHECK_TEST(test_capabilities)
 {
   Simulator simulator;
   fail_unless(simulator.tactors() == 0);
@@ -94,9 +94,8 @@ GST_START_TEST(test_capabilities)
   fail_unless(simulator.tactors() == 0);
   simulator.close();
 }
-GST_END_TEST;
 
-GST_START_TEST(test_amplitudes_are_the_motors)
+CHECK_TEST(test_amplitudes_are_the_motors)
 {
   constexpr std::size_t kTactors = 6;
   std::mt19937 random(1);
@@ -123,9 +122,8 @@ GST_START_TEST(test_amplitudes_are_the_motors)
   fail_unless(simulator.amplitude(-1, now) == 0);
   fail_unless(simulator.amplitude(G_MAXINT, now) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_fewer_and_more_volts)
+CHECK_TEST(test_fewer_and_more_volts)
 {
   Simulator simulator;
   unwrap(simulator.open({ .device = "", .max_tactors = 4 }));
@@ -143,9 +141,8 @@ GST_START_TEST(test_fewer_and_more_volts)
   unwrap(simulator.write(std::vector<double>{ 1, 1, 1, 1, 3, 3 }, 3s));
   fail_unless(simulator.amplitude(4, 4s) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_time_that_goes_back)
+CHECK_TEST(test_time_that_goes_back)
 {
   Simulator simulator;
   unwrap(simulator.open({}));
@@ -158,9 +155,8 @@ GST_START_TEST(test_time_that_goes_back)
   for (Time time = 1s; time < 2s; time += 10ms)
     fail_unless(simulator.amplitude(0, time) == motor.amplitude(time));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_close_leaves_zero)
+CHECK_TEST(test_close_leaves_zero)
 {
   Simulator simulator;
   unwrap(simulator.open({ .device = "", .max_tactors = 9 }));
@@ -175,9 +171,8 @@ GST_START_TEST(test_close_leaves_zero)
   unwrap(simulator.open({ .device = "", .max_tactors = 9 }));
   fail_unless(simulator.amplitude(0, 1s) == 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_amplitude_file)
+CHECK_TEST(test_amplitude_file)
 {
   const std::vector<Write> writes{ { 0ms, { 3.0, 0, 0.7 } },    { 3ms, { 3.0, 1.0, 0.7 } },
                                    { 3ms, { 2.0, 1.0, 0.7 } },  { 8ms, { 2.0, 1.0, 0.7 } },
@@ -203,9 +198,8 @@ GST_START_TEST(test_amplitude_file)
                 got.substr(static_cast<std::size_t>(difference), 80).c_str());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_amplitude_file_without_writes)
+CHECK_TEST(test_amplitude_file_without_writes)
 {
   const TemporaryFolder folder;
   const std::string path = folder.file("amplitude.csv");
@@ -215,9 +209,8 @@ GST_START_TEST(test_amplitude_file_without_writes)
   fail_unless(std::filesystem::exists(path));
   fail_unless(read(path).empty());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_file_that_cannot_be_written)
+CHECK_TEST(test_file_that_cannot_be_written)
 {
   const TemporaryFolder folder;
   for (const std::string &path : { folder.file("no/such/folder.csv"), folder.file(".") }) {
@@ -228,9 +221,8 @@ GST_START_TEST(test_file_that_cannot_be_written)
     fail_unless(what.find('\n') == std::string::npos);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_full_disk)
+CHECK_TEST(test_full_disk)
 {
   if (!std::filesystem::exists("/dev/full"))
     return;
@@ -242,9 +234,8 @@ GST_START_TEST(test_full_disk)
     written = simulator.write(std::vector<double>(9, 1.0), i * 1ms);
   fail_unless(refusal_of(written).kind == DriverError::Kind::failed);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_number_of_tactors)
+CHECK_TEST(test_number_of_tactors)
 {
   for (const int tactors : { 0, -1, 4097, G_MAXINT, G_MININT }) {
     const DriverError error = refusal({ .device = "", .max_tactors = tactors });
@@ -256,9 +247,8 @@ GST_START_TEST(test_number_of_tactors)
   refusal({ .device = folder.file("untouched.csv"), .max_tactors = 0 });
   fail_if(std::filesystem::exists(folder.file("untouched.csv")));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_list_of_drivers)
+CHECK_TEST(test_list_of_drivers)
 {
   fail_unless(!drivers().empty());
   fail_unless(drivers()[0].name == "auto");
@@ -278,26 +268,5 @@ GST_START_TEST(test_list_of_drivers)
       fail_unless(what.find(std::string(info.name)) != std::string::npos);
   }
 }
-GST_END_TEST;
 
-static Suite *
-simulator_suite(void)
-{
-  Suite *suite = suite_create("simulator");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_capabilities);
-  tcase_add_test(tests, test_amplitudes_are_the_motors);
-  tcase_add_test(tests, test_fewer_and_more_volts);
-  tcase_add_test(tests, test_time_that_goes_back);
-  tcase_add_test(tests, test_close_leaves_zero);
-  tcase_add_test(tests, test_amplitude_file);
-  tcase_add_test(tests, test_amplitude_file_without_writes);
-  tcase_add_test(tests, test_file_that_cannot_be_written);
-  tcase_add_test(tests, test_full_disk);
-  tcase_add_test(tests, test_number_of_tactors);
-  tcase_add_test(tests, test_list_of_drivers);
-  return suite;
-}
-
-GST_CHECK_MAIN(simulator)
+CHECK_MAIN(simulator)

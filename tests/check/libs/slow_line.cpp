@@ -18,7 +18,7 @@
 #include <random>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -150,7 +150,7 @@ private:
 /// All levels change faster than the line carries them. However much the chip accepts, at most one
 /// update and a keepalive are in flight. The last levels arrive one update after they are set,
 /// behind the packet in flight.
-GST_START_TEST(test_nothing_queues)
+CHECK_TEST(test_nothing_queues)
 {
   for (const int tactors : { 64, 9 })
     for (const std::size_t memory : { 4096u, 128u, 0u })
@@ -183,11 +183,10 @@ GST_START_TEST(test_nothing_queues)
           ck_assert_int_eq(chip.model.trips, 0);
         }
 }
-GST_END_TEST;
 
 /// All levels but one keep changing, more than the line carries. The remaining one is sent within
 /// the first round.
-GST_START_TEST(test_fairness)
+CHECK_TEST(test_fairness)
 {
   for (const std::size_t quiet : { 0u, 31u, 63u }) {
     const Layout layout = chair(64);
@@ -206,11 +205,10 @@ GST_START_TEST(test_fairness)
     fail_unless(has_come() && chip.now <= begin + level_bytes(layout) * kByte);
   }
 }
-GST_END_TEST;
 
 /// A ramp has as many steps as the line carries, and each arrives before the next begins. In 100 ms
 /// these are five steps of 20 ms for nine tactors, and two of 59.85 ms for 64.
-GST_START_TEST(test_ramp)
+CHECK_TEST(test_ramp)
 {
   for (const int tactors : { 9, 36, 64 })
     for (const Time length : { 100ms, 1000ms }) {
@@ -242,11 +240,10 @@ GST_START_TEST(test_ramp)
       ck_assert_uint_le(chip.most_under_way, static_cast<std::size_t>(level_bytes(layout)) + 3);
     }
 }
-GST_END_TEST;
 
 /// A film that changes a number of tactors with every map. A block lasts as many maps as the line
 /// needs. Its levels have arrived when its frame is shown, the last of them just then.
-GST_START_TEST(test_blocks)
+CHECK_TEST(test_blocks)
 {
   struct
   {
@@ -310,11 +307,10 @@ GST_START_TEST(test_blocks)
     ck_assert_uint_le(chip.most_under_way, static_cast<std::size_t>(FirmataBoard::kPacket));
   }
 }
-GST_END_TEST;
 
 /// A lead covers the levels that change, not all of them. A calibrated motor's latency contains the
 /// line time of its own level.
-GST_START_TEST(test_lead_has_what_changes)
+CHECK_TEST(test_lead_has_what_changes)
 {
   const LineTime line(std::vector<int>(64, 6), kByte);
   const auto leads = [](const LineTime &on, Time rest, std::optional<Time> latency, auto changing,
@@ -345,11 +341,10 @@ GST_START_TEST(test_lead_has_what_changes)
   for (std::size_t i = 0; i < carried.size(); i++)
     fail_unless(carried[i] - bare[i] == 8 * 6 * kByte + 2ms);
 }
-GST_END_TEST;
 
 /// The driver releases the board when it is closed, which discards what its chip still holds. By
 /// then all motors must be off, also if the board's answer is lost.
-GST_START_TEST(test_closed_means_that_motors_stand)
+CHECK_TEST(test_closed_means_that_motors_stand)
 {
   for (const int tactors : { 4, 9, 15, 64 })
     for (const bool seat : { false, true })
@@ -374,21 +369,5 @@ GST_START_TEST(test_closed_means_that_motors_stand)
                     static_cast<int>((chip.now - begin) / 1us));
       }
 }
-GST_END_TEST;
 
-static Suite *
-slow_line_suite(void)
-{
-  Suite *suite = suite_create("slow_line");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_closed_means_that_motors_stand);
-  tcase_add_test(tests, test_nothing_queues);
-  tcase_add_test(tests, test_fairness);
-  tcase_add_test(tests, test_ramp);
-  tcase_add_test(tests, test_blocks);
-  tcase_add_test(tests, test_lead_has_what_changes);
-  return suite;
-}
-
-GST_CHECK_MAIN(slow_line)
+CHECK_MAIN(slow_line)

@@ -3,10 +3,12 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
-GST_START_TEST(test_steps)
+CHECK_TEST(test_steps)
 {
   SoftStart start;
   start.set_length(100ms);
@@ -30,9 +32,8 @@ GST_START_TEST(test_steps)
   fail_unless(start.vibrate(1s)); // time may start again from an earlier value
   fail_unless_near(start.ceiling(1s), 0.2, 1e-12);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_lengths)
+CHECK_TEST(test_lengths)
 {
   // Each step ends on the straight line to full scale, never above it.
   for (const Time length :
@@ -54,17 +55,5 @@ GST_START_TEST(test_lengths)
   fail_unless(!none.vibrate(0s));
   fail_unless(none.ceiling(0s) == 1 && !none.next_step(0s));
 }
-GST_END_TEST;
 
-static Suite *
-soft_start_suite(void)
-{
-  Suite *suite = suite_create("soft_start");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_steps);
-  tcase_add_test(tests, test_lengths);
-  return suite;
-}
-
-GST_CHECK_MAIN(soft_start)
+CHECK_MAIN(soft_start)

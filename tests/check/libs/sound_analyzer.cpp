@@ -11,6 +11,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace sound;
 
 namespace {
@@ -74,7 +76,7 @@ tone(double hz, double amplitude, double seconds)
 } // namespace
 
 // Each impact has one onset within 20 ms, and nothing else has one.
-GST_START_TEST(test_impacts)
+CHECK_TEST(test_impacts)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2001, .seconds = 20 });
@@ -85,10 +87,9 @@ GST_START_TEST(test_impacts)
     fail_unless(std::chrono::abs(found[i] - made.events()[i].begin)
                 <= std::chrono::milliseconds(20));
 }
-GST_END_TEST;
 
 // The same bits for any size of buffers.
-GST_START_TEST(test_blocks)
+CHECK_TEST(test_blocks)
 {
   const auto speakers = usual_speakers(6);
   const SyntheticSound made({ .seed = 2002, .seconds = 5, .music = true, .impacts_db = -10 });
@@ -105,10 +106,9 @@ GST_START_TEST(test_blocks)
     }
   }
 }
-GST_END_TEST;
 
 // The same impacts at any rate, within 10 ms; nearly the same levels.
-GST_START_TEST(test_rates)
+CHECK_TEST(test_rates)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2003, .seconds = 10 });
@@ -127,10 +127,9 @@ GST_START_TEST(test_rates)
     fail_unless(difference / static_cast<double>(count) < 0.01);
   }
 }
-GST_END_TEST;
 
 // −50 dB of full scale is felt as 0 and −10 dB as 1: a tone of 40 Hz at −20 dB as 0.75.
-GST_START_TEST(test_rumble)
+CHECK_TEST(test_rumble)
 {
   const auto mono = usual_speakers(1);
   const auto moments = analyze(tone(40, 0.1 * std::numbers::sqrt2, 2), kTestRate, mono);
@@ -141,11 +140,10 @@ GST_START_TEST(test_rumble)
   // Too weak.
   fail_unless_near(share_on(analyze(tone(40, 0.01, 2), kTestRate, mono)), 0, 1e-6);
 }
-GST_END_TEST;
 
 // Puffs of breath into a microphone last 100 ms at most: where somebody speaks as loud, what is
 // deep has to last longer to be rumble. Elsewhere it may be a film's.
-GST_START_TEST(test_puffs)
+CHECK_TEST(test_puffs)
 {
   const auto heard = [](double vowel, double lasts) {
     std::vector<float> frames(static_cast<std::size_t>(kTestRate) * 4);
@@ -169,10 +167,9 @@ GST_START_TEST(test_puffs)
   fail_unless(heard(0.2, 0.45) > 0.1);
   fail_unless(heard(0, 0.1) > 0.02);
 }
-GST_END_TEST;
 
 // What is deep is no rumble where it is a small part of the sound, but for an LFE channel's.
-GST_START_TEST(test_rumble_under_others)
+CHECK_TEST(test_rumble_under_others)
 {
   const auto deep = tone(40, 0.1 * std::numbers::sqrt2, 2);
   auto voice = tone(200, 0.3, 2);
@@ -192,11 +189,10 @@ GST_START_TEST(test_rumble_under_others)
   // The film is loud, so that after two seconds everything counts 0.6 dB less.
   fail_unless_near(analyze(surround, kTestRate, usual_speakers(6)).back().level, 0.735, 0.02);
 }
-GST_END_TEST;
 
 // The floor rises from -70 dB by a tenth of what is missing a second: -38.4 dB after 10 s, -26.8
 // after 20, -22.5 after 30. A tone of -20 dB is felt in full from 12 dB above it, not at 3 dB.
-GST_START_TEST(test_engine_fades)
+CHECK_TEST(test_engine_fades)
 {
   const auto mono = usual_speakers(1);
   SoundAnalyzer analyzer(kTestRate, mono);
@@ -212,11 +208,10 @@ GST_START_TEST(test_engine_fades)
   fail_unless_near(analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 2), {}).back().level, 0.75,
                    0.02);
 }
-GST_END_TEST;
 
 // The weaker an impact, the weaker it is felt, down to -24 dB at least: a level of 1 has 40 dB,
 // and no step is a cliff.
-GST_START_TEST(test_strength)
+CHECK_TEST(test_strength)
 {
   constexpr double kStepDb = 8;
   const auto mono = usual_speakers(1);
@@ -243,10 +238,9 @@ GST_START_TEST(test_strength)
       frame *= static_cast<float>(std::pow(10, -kStepDb / 20));
   }
 }
-GST_END_TEST;
 
 // What is felt has the sound's own low pitch, within half of a third of an octave.
-GST_START_TEST(test_pitch)
+CHECK_TEST(test_pitch)
 {
   const auto mono = usual_speakers(1);
   for (const double hz : { 25.0, 31.5, 40.0, 50.0, 60.0 }) {
@@ -256,11 +250,10 @@ GST_START_TEST(test_pitch)
     fail_unless(std::abs(std::log2(felt / hz)) < 0.2, "%.0f Hz is felt at %.0f Hz", hz, felt);
   }
 }
-GST_END_TEST;
 
 // Impacts of 40 to 110 Hz are felt there, but for the begin of some with a crack; without low
 // parts, above them.
-GST_START_TEST(test_pitch_of_impacts)
+CHECK_TEST(test_pitch_of_impacts)
 {
   const auto mono = usual_speakers(1);
   const SyntheticSound made({ .seed = 2001, .seconds = 20 });
@@ -287,10 +280,9 @@ GST_START_TEST(test_pitch_of_impacts)
     ck_assert_int_ge(impacts, is_high ? 2 : 8); // most high ones are like hi-hats
   }
 }
-GST_END_TEST;
 
 // With 80 ms more, the same impacts at the same times.
-GST_START_TEST(test_looks_ahead)
+CHECK_TEST(test_looks_ahead)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2001, .seconds = 20 });
@@ -303,10 +295,9 @@ GST_START_TEST(test_looks_ahead)
   fail_unless(SoundAnalyzer(kTestRate, speakers, true).delay()
               == SoundAnalyzer(kTestRate, speakers).delay() + std::chrono::milliseconds(80));
 }
-GST_END_TEST;
 
 // Impacts 6 dB stronger than the music around them: most have an onset, little else has one.
-GST_START_TEST(test_impacts_in_music)
+CHECK_TEST(test_impacts_in_music)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2007, .seconds = 30, .music = true, .impacts_db = -14 });
@@ -324,20 +315,18 @@ GST_START_TEST(test_impacts_in_music)
   ck_assert_int_ge(3 * right, 2 * impacts);
   ck_assert_int_le(std::ssize(found) - right, 3);
 }
-GST_END_TEST;
 
 // Notes with hi-hats are no impacts.
-GST_START_TEST(test_music)
+CHECK_TEST(test_music)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2004, .seconds = 20, .impacts = false, .music = true });
   const auto found = onsets(analyze(render(made, 20, kTestRate, speakers), kTestRate, speakers));
   ck_assert_uint_le(found.size(), 1);
 }
-GST_END_TEST;
 
 // What no sound has does no harm, and is forgotten.
-GST_START_TEST(test_hostile)
+CHECK_TEST(test_hostile)
 {
   const auto mono = usual_speakers(1);
   SoundAnalyzer analyzer(kTestRate, mono);
@@ -358,11 +347,10 @@ GST_START_TEST(test_hostile)
   const auto felt = analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 2), {});
   fail_unless_near(felt.back().level, 0.75, 0.02);
 }
-GST_END_TEST;
 
 // What no film means to be heard is silence: its powers would be numbers too small for the format,
 // which cost three times as much.
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   Resampler resampler(kRate, 1);
   std::vector<float> frames(Resampler::kBlock);
@@ -375,10 +363,9 @@ GST_START_TEST(test_silence)
     fail_unless(out == 0);
   ck_assert_int_ge(count, 900);
 }
-GST_END_TEST;
 
 // After a reset everything is as at the start.
-GST_START_TEST(test_reset)
+CHECK_TEST(test_reset)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 2005, .seconds = 4 });
@@ -393,10 +380,9 @@ GST_START_TEST(test_reset)
   for (std::size_t i = 0; i < again.size(); i++)
     fail_unless(again[i].level == expected[i].level && again[i].begin == expected[i].begin);
 }
-GST_END_TEST;
 
 // A moment is known as soon as delay() after its end.
-GST_START_TEST(test_delay)
+CHECK_TEST(test_delay)
 {
   for (const int rate : { 8000, 44100, 48000, 192000 }) {
     SoundAnalyzer analyzer(rate, usual_speakers(1));
@@ -412,10 +398,9 @@ GST_START_TEST(test_delay)
     fail_unless(heard > kHopTime + analyzer.delay() - std::chrono::milliseconds(1));
   }
 }
-GST_END_TEST;
 
 // An impact right after the start is none: too little is known of what was before.
-GST_START_TEST(test_impact_at_the_start)
+CHECK_TEST(test_impact_at_the_start)
 {
   const auto mono = usual_speakers(1);
   const SyntheticSound made({ .seed = 2006, .seconds = 4 });
@@ -430,33 +415,5 @@ GST_START_TEST(test_impact_at_the_start)
   analyzer.reset();
   ck_assert_uint_eq(onsets(analyzer.add(frames, {})).size(), 0);
 }
-GST_END_TEST;
 
-static Suite *
-sound_analyzer_suite(void)
-{
-  Suite *suite = suite_create("sound_analyzer");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_impacts);
-  tcase_add_test(tc, test_blocks);
-  tcase_add_test(tc, test_rates);
-  tcase_add_test(tc, test_rumble);
-  tcase_add_test(tc, test_puffs);
-  tcase_add_test(tc, test_rumble_under_others);
-  tcase_add_test(tc, test_engine_fades);
-  tcase_add_test(tc, test_strength);
-  tcase_add_test(tc, test_pitch);
-  tcase_add_test(tc, test_pitch_of_impacts);
-  tcase_add_test(tc, test_looks_ahead);
-  tcase_add_test(tc, test_impacts_in_music);
-  tcase_add_test(tc, test_music);
-  tcase_add_test(tc, test_hostile);
-  tcase_add_test(tc, test_silence);
-  tcase_add_test(tc, test_reset);
-  tcase_add_test(tc, test_delay);
-  tcase_add_test(tc, test_impact_at_the_start);
-  return suite;
-}
-
-GST_CHECK_MAIN(sound_analyzer);
+CHECK_MAIN(sound_analyzer)

@@ -7,6 +7,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace sound;
 
 namespace {
@@ -25,7 +27,7 @@ place_of_panned(double across, double behind, int channels)
 
 } // namespace
 
-GST_START_TEST(test_panned)
+CHECK_TEST(test_panned)
 {
   for (const int channels : { 2, 6, 8 })
     for (const double across : { -1.0, -0.5, 0.0, 0.25, 1.0 }) {
@@ -40,9 +42,8 @@ GST_START_TEST(test_panned)
       }
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_everywhere)
+CHECK_TEST(test_everywhere)
 {
   const auto surround = usual_speakers(6);
   // The center and low frequency effects tell no place.
@@ -61,9 +62,8 @@ GST_START_TEST(test_everywhere)
   // Silence is nowhere in particular.
   fail_unless_near(place_of(stereo, std::vector<double>{ 0, 0 }, 1).everywhere, 1, 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_cells)
+CHECK_TEST(test_cells)
 {
   tactile::TactileMap map(3, 3);
   raise(map, { 1, 0, 0 }, false, 0.5F);
@@ -84,10 +84,9 @@ GST_START_TEST(test_cells)
   raise(one, { -1, 1, 0 }, true, 0.5F);
   fail_unless_near(one.at(0, 0), 0.5, 1e-6);
 }
-GST_END_TEST;
 
 // Any part, at any time, has the same bits.
-GST_START_TEST(test_synthetic_is_a_function_of_time)
+CHECK_TEST(test_synthetic_is_a_function_of_time)
 {
   const auto speakers = usual_speakers(2);
   const SyntheticSound made({ .seed = 7, .seconds = 4, .music = true });
@@ -100,10 +99,9 @@ GST_START_TEST(test_synthetic_is_a_function_of_time)
       fail_unless(part[i] == whole[static_cast<std::size_t>(first) * 2 + i]);
   }
 }
-GST_END_TEST;
 
 // Music has the power that was asked for; what comes before it is silent.
-GST_START_TEST(test_synthetic_power)
+CHECK_TEST(test_synthetic_power)
 {
   const auto mono = usual_speakers(1);
   const SyntheticSound made({ .seed = 8, .seconds = 10, .impacts = false, .music = true });
@@ -115,20 +113,5 @@ GST_START_TEST(test_synthetic_power)
   fail_unless_near(10 * std::log10(power / static_cast<double>(frames.size())), -20, 1);
   fail_unless_near(frames[48000 / 10], 0, 1e-6);
 }
-GST_END_TEST;
 
-static Suite *
-sound_place_suite(void)
-{
-  Suite *suite = suite_create("sound_place");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_panned);
-  tcase_add_test(tc, test_everywhere);
-  tcase_add_test(tc, test_cells);
-  tcase_add_test(tc, test_synthetic_is_a_function_of_time);
-  tcase_add_test(tc, test_synthetic_power);
-  return suite;
-}
-
-GST_CHECK_MAIN(sound_place);
+CHECK_MAIN(sound_place)

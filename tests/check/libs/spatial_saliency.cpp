@@ -4,6 +4,8 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using saliency::frame_levels;
 using saliency::FrameLevels;
 using saliency::LevelPair;
@@ -33,7 +35,7 @@ compare(const Profile &profile, int width, int height)
 
 } // namespace
 
-GST_START_TEST(test_reference_width)
+CHECK_TEST(test_reference_width)
 {
   // Level 2 of the tuned profile is the level whose width is nearest to 220 pixels in octaves. The
   // pair and the map follow it.
@@ -65,9 +67,8 @@ GST_START_TEST(test_reference_width)
   fail_unless((levels.lightness == LevelPair{ 0, 0 }));
   ck_assert_int_eq(levels.saliency, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels_of_paper)
+CHECK_TEST(test_levels_of_paper)
 {
   for (const int width : { 1000, 3840 }) {
     const auto levels = frame_levels(Profile::paper(), { width, 500 });
@@ -79,9 +80,8 @@ GST_START_TEST(test_levels_of_paper)
   ck_assert_int_eq(frame_levels(Profile::paper(), { 64, 48 }).coarsest, 6); // 64×48 has no more
   ck_assert_int_eq(frame_levels(Profile::paper(), { 2, 1 }).finest, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   // Centers finer than the map, equal to it and coarser, in the frame's levels and renumbered.
   Profile profile = Profile::tuned();
@@ -104,9 +104,8 @@ GST_START_TEST(test_brute_force)
           compare(profile, width, height);
         }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_tuned_spatial)
+CHECK_TEST(test_tuned_spatial)
 {
   // At a width of 100 pixels everything is at the frame's level 0. At 220 it is at level 1.
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 1 }, { 100, 75 }, { 220, 40 } }) {
@@ -129,9 +128,8 @@ GST_START_TEST(test_tuned_spatial)
                 expected.maximum());
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_surroundedness_at_other_levels)
+CHECK_TEST(test_surroundedness_at_other_levels)
 {
   // Surroundedness finer than the map, and coarser; rarity at the coarsest level in use.
   const auto fine = oracle::picture_of_many_scales(64, 48, 9);
@@ -160,9 +158,8 @@ GST_START_TEST(test_surroundedness_at_other_levels)
   expect({ 2, 2 }, oracle::up(oracle::surroundedness(coarse, 3, 0.25), 1, 1, 32, 24), rare);
   expect({ 1, 1 }, oracle::surroundedness(middle, 3, 0.25), oracle::rarity(middle, 0));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_flat_picture)
+CHECK_TEST(test_flat_picture)
 {
   const oracle::LabImage gray{ oracle::Image(40, 30, 53.6), oracle::Image(40, 30, 1e-5),
                                oracle::Image(40, 30, -2e-5) };
@@ -177,21 +174,5 @@ GST_START_TEST(test_flat_picture)
     fail_unless_at_most(cv::norm(spatial.compute(pyramid, levels), cv::NORM_INF), 1e-4);
   }
 }
-GST_END_TEST;
 
-static Suite *
-spatial_saliency_suite(void)
-{
-  Suite *suite = suite_create("spatial_saliency");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_reference_width);
-  tcase_add_test(tc, test_levels_of_paper);
-  tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_tuned_spatial);
-  tcase_add_test(tc, test_surroundedness_at_other_levels);
-  tcase_add_test(tc, test_flat_picture);
-  return suite;
-}
-
-GST_CHECK_MAIN(spatial_saliency);
+CHECK_MAIN(spatial_saliency)

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 namespace {
 
@@ -53,7 +53,7 @@ film(cv::Size size)
 
 } // namespace
 
-GST_START_TEST(test_observer)
+CHECK_TEST(test_observer)
 {
   // Each stage is observed once, in order. Observing changes nothing.
   using saliency::Stage;
@@ -97,9 +97,8 @@ GST_START_TEST(test_observer)
     fail_unless(std::ranges::equal(stages, kSpatial));
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_lab)
+CHECK_TEST(test_lab)
 {
   // An L*a*b* image gives what its frame gives, to within the front end's fixed point.
   for (const cv::Size size : kSizes) {
@@ -131,7 +130,6 @@ GST_START_TEST(test_lab)
     fail_unless_at_most(std::sqrt(difference / energy), 0.01);
   }
 }
-GST_END_TEST;
 
 static std::vector<cv::Mat>
 maps(const saliency::Profile &profile, const Frames &film, int threads)
@@ -157,7 +155,7 @@ fail_unless_same_bits(const std::vector<cv::Mat> &found, const std::vector<cv::M
                 "%s: frame %zu", how.c_str(), i);
 }
 
-GST_START_TEST(test_targets)
+CHECK_TEST(test_targets)
 {
   // Results are equal with all instruction sets of this CPU.
   const auto targets = hwy::SupportedTargets();
@@ -172,9 +170,8 @@ GST_START_TEST(test_targets)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_threads)
+CHECK_TEST(test_threads)
 {
   // Results are equal with any number of threads.
   for (const auto &[profile, size] : { std::pair{ saliency::Profile::tuned(), kSizes[0] },
@@ -187,19 +184,5 @@ GST_START_TEST(test_threads)
                             std::to_string(threads) + " threads");
   }
 }
-GST_END_TEST;
 
-static Suite *
-stages_suite(void)
-{
-  Suite *suite = suite_create("stages");
-  TCase *tcase = tcase_create("general");
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_observer);
-  tcase_add_test(tcase, test_lab);
-  tcase_add_test(tcase, test_targets);
-  tcase_add_test(tcase, test_threads);
-  return suite;
-}
-
-GST_CHECK_MAIN(stages);
+CHECK_MAIN(stages)

@@ -16,6 +16,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -95,7 +97,7 @@ at(double seconds)
 
 } // namespace
 
-GST_START_TEST(clear_recordings_give_the_rise_time)
+CHECK_TEST(clear_recordings_give_the_rise_time)
 {
   for (const auto &[start, target] : std::vector<std::pair<double, double>>{
            { 0, 0.5 }, { 0, 1 }, { 0, 3 }, { 0.5, 1.5 }, { 1, 2 }, { 2, 3 } }) {
@@ -109,13 +111,12 @@ GST_START_TEST(clear_recordings_give_the_rise_time)
     fail_unless_near(response.fallen_ms, 8 + 30, 2);
   }
 }
-GST_END_TEST
 
 // Noise 20 dB below the vibration of each step, over the whole grid and for each growth curve. For
 // steps that at least double the vibration, 95 % of the errors are below 3.5 ms, and medians of
 // five below 3 ms. For smaller steps, which stand out less from the noise, medians of five are
 // below 5 ms.
-GST_START_TEST(rises_are_within_3_ms_at_20_db)
+CHECK_LOOP_TEST(rises_are_within_3_ms_at_20_db, 0, std::size(kGrowths))
 {
   const Growth &growth = kGrowths[__i__];
   std::vector<RecordedRun> runs;
@@ -150,10 +151,9 @@ GST_START_TEST(rises_are_within_3_ms_at_20_db)
     fail_unless_near(median(errors), 0, volts.first <= volts.second / 2 ? 3 : 5);
   }
 }
-GST_END_TEST
 
 // Falls to a level or to rest: 10 % remain after MotorModel's time, latency included.
-GST_START_TEST(falls_are_measured_too)
+CHECK_TEST(falls_are_measured_too)
 {
   for (const double target : { 0.6, 1.0, 0.0 }) {
     RecordedRun run = target > 0 ? recorded(1.5, target, 1, { .noise = 0.001 })
@@ -170,11 +170,10 @@ GST_START_TEST(falls_are_measured_too)
   fail_unless(measure_step(stays.recording, 0, stays.steps.front(), kBand).fault
               == StepFault::missed);
 }
-GST_END_TEST
 
 // An amplifier that clips below the sound card's full scale, with a little noise. Equal crests at
 // different voltages reveal it. A motor whose own crests are flat is not reported.
-GST_START_TEST(clipping_below_full_scale_is_named)
+CHECK_TEST(clipping_below_full_scale_is_named)
 {
   for (const bool amplifier : { true, false }) {
     std::vector<RecordedRun> runs;
@@ -196,9 +195,8 @@ GST_START_TEST(clipping_below_full_scale_is_named)
                   std::string(fault_name(response.fault)).c_str());
   }
 }
-GST_END_TEST
 
-GST_START_TEST(hum_drift_and_jitter_do_not_matter)
+CHECK_TEST(hum_drift_and_jitter_do_not_matter)
 {
   const std::vector<SimulatedSensor> sensors{
     { .noise = 0.002, .hum = 0.1, .hum_hz = 50.05 },
@@ -220,9 +218,8 @@ GST_START_TEST(hum_drift_and_jitter_do_not_matter)
     fail_unless_near(median(risen), truth_ms(responses.front().step) + late, 3);
   }
 }
-GST_END_TEST
 
-GST_START_TEST(faults_of_a_recording_are_named)
+CHECK_TEST(faults_of_a_recording_are_named)
 {
   fail_unless(fault_after([](Recording &) {}) == StepFault::none);
   // The sensor's limit is known, or its crests reveal it.
@@ -255,10 +252,9 @@ GST_START_TEST(faults_of_a_recording_are_named)
               })
               == StepFault::no_motion);
 }
-GST_END_TEST
 
 // The second command got lost: the motor stays at its first level.
-GST_START_TEST(a_lost_step_is_missed)
+CHECK_TEST(a_lost_step_is_missed)
 {
   const RecordedRun asked = recorded(1, 2, 1, {});
   RecordedRun got = recorded(1, 1.0001, 1, { .noise = 0.001 });
@@ -266,10 +262,9 @@ GST_START_TEST(a_lost_step_is_missed)
   fail_unless(response.fault == StepFault::missed, "%s",
               std::string(fault_name(response.fault)).c_str());
 }
-GST_END_TEST
 
 // Two tactors on one microphone at the same time.
-GST_START_TEST(simultaneous_steps_need_separate_channels)
+CHECK_TEST(simultaneous_steps_need_separate_channels)
 {
   std::vector<IssuedCommand> trace = rises(0, 1.5, 1);
   IssuedCommand other = trace.front();
@@ -289,11 +284,10 @@ GST_START_TEST(simultaneous_steps_need_separate_channels)
       fail_unless(response.fault == (separate ? StepFault::none : StepFault::overlapped));
   }
 }
-GST_END_TEST
 
 // Random commands to three tactors. A step's rests and its recording are used only while all other
 // tactors are off. A million commands take no longer each than a few.
-GST_START_TEST(steps_exclude_other_tactors)
+CHECK_TEST(steps_exclude_other_tactors)
 {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> tactor(0, 2);
@@ -349,11 +343,10 @@ GST_START_TEST(steps_exclude_other_tactors)
           .issued = i * 300ms });
   fail_unless(steps_of(trace, 1'000'000 * 300ms).size() == 500'000);
 }
-GST_END_TEST
 
 // The prior's latency and exponent come from the clearer half of the rises. Too few rises give no
 // prior.
-GST_START_TEST(prior_comes_from_clear_rises)
+CHECK_TEST(prior_comes_from_clear_rises)
 {
   std::vector<StepResponse> responses;
   for (int i = 0; i < 20; i++) {
@@ -373,9 +366,8 @@ GST_START_TEST(prior_comes_from_clear_rises)
   responses.resize(4);
   fail_unless(prior_of(responses).onset_deviation_s >= 1);
 }
-GST_END_TEST
 
-GST_START_TEST(band_is_found_around_the_vibration)
+CHECK_TEST(band_is_found_around_the_vibration)
 {
   const std::vector<RecordedRun> runs{ recorded(0, 3, 3, { .noise = 0.002, .drift = 1 }) };
   const Band band = band_of(runs, 1);
@@ -383,30 +375,5 @@ GST_START_TEST(band_is_found_around_the_vibration)
   fail_unless_near(band.low_hz, line / 4, 1);
   fail_unless_near(band.high_hz, line * 2, 4);
 }
-GST_END_TEST
 
-static Suite *
-step_response_suite(void)
-{
-  Suite *suite = suite_create("step_response");
-  TCase *tests = tcase_create("recordings");
-  tcase_set_timeout(tests, 180);
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, clear_recordings_give_the_rise_time);
-  tcase_add_loop_test(tests, rises_are_within_3_ms_at_20_db, 0,
-                      static_cast<int>(std::size(kGrowths)));
-  tcase_add_test(tests, falls_are_measured_too);
-  tcase_add_test(tests, clipping_below_full_scale_is_named);
-  tcase_add_test(tests, hum_drift_and_jitter_do_not_matter);
-  tcase_add_test(tests, faults_of_a_recording_are_named);
-  tcase_add_test(tests, a_lost_step_is_missed);
-  tcase_add_test(tests, simultaneous_steps_need_separate_channels);
-  tcase_add_test(tests, prior_comes_from_clear_rises);
-  tcase_add_test(tests, band_is_found_around_the_vibration);
-  TCase *steps = tcase_create("steps");
-  suite_add_tcase(suite, steps);
-  tcase_add_test(steps, steps_exclude_other_tactors);
-  return suite;
-}
-
-GST_CHECK_MAIN(step_response)
+CHECK_MAIN_TIMEOUT(step_response, 180)

@@ -21,8 +21,7 @@
 #include <utility>
 #include <vector>
 
-// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using oracle::Frame;
 using saliency::Analyzer;
@@ -140,7 +139,7 @@ onset(const Played &played)
 } // namespace
 
 /// The means of all samples of each block, for each layout of memory.
-GST_START_TEST(test_block_means)
+CHECK_TEST(test_block_means)
 {
   struct Layout
   {
@@ -178,10 +177,9 @@ GST_START_TEST(test_block_means)
       }
     }
 }
-GST_END_TEST;
 
 /// Noise is nothing new; a thing is, and so is a picture of which more than half is new.
-GST_START_TEST(test_stillness)
+CHECK_TEST(test_stillness)
 {
   constexpr int kLevel = 2;
   for (const double sigma : { 0.0, 1.0, 2.0 }) {
@@ -203,12 +201,11 @@ GST_START_TEST(test_stillness)
     fail_if(stillness(red.view(), kLevel, 0.24));
   }
 }
-GST_END_TEST;
 
 /// A thing that appears in a noisy picture at rest is felt with the same frame as if all frames
 /// were analyzed, and about as strongly, whichever frame of a rest it is. Of the rest, half and
 /// more are not analyzed.
-GST_START_TEST(test_onsets)
+CHECK_TEST(test_onsets)
 {
   for (const double sigma : { 0.0, 2.0 })
     for (int phase = 0; phase < 6; ++phase) {
@@ -235,10 +232,9 @@ GST_START_TEST(test_onsets)
       fail_unless(some.unchanged < appears);
     }
 }
-GST_END_TEST;
 
 /// What becomes visible by and by is felt no later, either.
-GST_START_TEST(test_slow_onsets)
+CHECK_TEST(test_slow_onsets)
 {
   for (const int codes : { 1, 2, 4 }) { // a frame
     const auto film = [&](int i) {
@@ -251,10 +247,9 @@ GST_START_TEST(test_slow_onsets)
     fail_unless(late <= 0, "%d codes a frame: %d frames late", codes, late);
   }
 }
-GST_END_TEST;
 
 /// All frames of a film in which something moves, bit for bit; and with the paper's method.
-GST_START_TEST(test_moving)
+CHECK_TEST(test_moving)
 {
   const auto film = [](int i) {
     Frame frame = grainy(2, static_cast<unsigned>(i));
@@ -271,20 +266,5 @@ GST_START_TEST(test_moving)
   };
   ck_assert_int_eq(play(kFloor, 10, still, Profile::paper()).unchanged, 0);
 }
-GST_END_TEST;
 
-static Suite *
-stillness_suite(void)
-{
-  Suite *suite = suite_create("stillness");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_block_means);
-  tcase_add_test(tc, test_stillness);
-  tcase_add_test(tc, test_onsets);
-  tcase_add_test(tc, test_slow_onsets);
-  tcase_add_test(tc, test_moving);
-  return suite;
-}
-
-GST_CHECK_MAIN(stillness);
+CHECK_MAIN(stillness)

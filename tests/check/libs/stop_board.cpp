@@ -6,6 +6,8 @@
 
 #include "firmata_driver_rig.h"
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr StopPatience kEndlessly{ .answer = 1h };
@@ -34,7 +36,7 @@ struct Left
 } // namespace
 
 /// By a reset that the board confirms, wherever its host was cut off.
-GST_START_TEST(test_stopped)
+CHECK_TEST(test_stopped)
 {
   const std::vector<std::uint8_t> cuts[]
       = { {}, { 0xe3 }, { 0xe3, 0x40 }, { 0xf4, 3 }, { 0xf0 }, { 0xf0, 0x6f, 44, 0 } };
@@ -48,10 +50,9 @@ GST_START_TEST(test_stopped)
     ck_assert_int_eq(left.board.pulses, 0);
   }
 }
-GST_END_TEST;
 
 /// One that does not answer, or takes nothing, is reset by DTR; that it answers is not waited for.
-GST_START_TEST(test_not_stopped)
+CHECK_TEST(test_not_stopped)
 {
   for (const bool takes_nothing : { false, true })
     for (const bool pulses : { false, true }) {
@@ -68,10 +69,9 @@ GST_START_TEST(test_not_stopped)
       fail_if(left.board.is_open);
     }
 }
-GST_END_TEST;
 
 /// Such a board was not reset by DTR: that is left for the next time.
-GST_START_TEST(test_cannot_be_opened)
+CHECK_TEST(test_cannot_be_opened)
 {
   Left left;
   bool may_pulse = true;
@@ -84,7 +84,6 @@ GST_START_TEST(test_cannot_be_opened)
               == Kind::not_found);
   fail_unless(may_pulse);
 }
-GST_END_TEST;
 
 namespace {
 
@@ -127,7 +126,7 @@ struct LastWords
 } // namespace
 
 /// A board that does not confirm its last zeros: it is told that motors may still be on.
-GST_START_TEST(test_told)
+CHECK_TEST(test_told)
 {
   const auto hush = [](DriverRig &rig) {
     rig.sockets.locked([&] { rig.mega.says_nothing = rig.seat.says_nothing = true; });
@@ -163,10 +162,9 @@ GST_START_TEST(test_told)
     assert_contains(unplugged.rig.text(kind),
                     { "plugged out", "its motors may still be on", "a supply of its own" });
 }
-GST_END_TEST;
 
 /// One that recovers: nothing is told.
-GST_START_TEST(test_tried_again)
+CHECK_TEST(test_tried_again)
 {
   DriverRig rig(Firmware::any, kShort, 1h, kEndlessly);
   rig.sockets.plug(rig.mega);
@@ -180,20 +178,5 @@ GST_START_TEST(test_tried_again)
   fail_if(rig.driver.status().may_run);
   ck_assert_int_eq(rig.count(EventKind::not_stopped), 0);
 }
-GST_END_TEST;
 
-static Suite *
-stop_board_suite(void)
-{
-  Suite *suite = suite_create("stop_board");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_stopped);
-  tcase_add_test(tests, test_not_stopped);
-  tcase_add_test(tests, test_cannot_be_opened);
-  tcase_add_test(tests, test_told);
-  tcase_add_test(tests, test_tried_again);
-  return suite;
-}
-
-GST_CHECK_MAIN(stop_board)
+CHECK_MAIN(stop_board)

@@ -10,8 +10,8 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/temporary_file.h"
-#include <gst/check/gstcheck.h>
 
 namespace {
 
@@ -45,30 +45,17 @@ frames_of(const std::vector<std::pair<GstClockTime, GstClockTime>> &shown)
 
 } // namespace
 
-GST_START_TEST(test_whole_film)
+CHECK_TEST(test_whole_film)
 {
   ck_assert_int_eq(frames_of({ { 0, 60 } }), 6);
   ck_assert_int_eq(frames_of({ { 0, 3 } }), 1); // ends before the first turn
 }
-GST_END_TEST;
 
 /// Of each part that is shown there is one frame.
-GST_START_TEST(test_seek)
+CHECK_TEST(test_seek)
 {
   ck_assert_int_eq(frames_of({ { 0, 10 }, { 46, 54 } }), 2);
   ck_assert_int_eq(frames_of({ { 0, 10 }, { 56, 60 }, { 0, 20 } }), 2); // nothing twice
 }
-GST_END_TEST;
 
-static Suite *
-strip_suite(void)
-{
-  Suite *suite = suite_create("strip");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_whole_film);
-  tcase_add_test(tests, test_seek);
-  return suite;
-}
-
-GST_CHECK_MAIN(strip);
+CHECK_MAIN(strip)

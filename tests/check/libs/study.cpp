@@ -15,13 +15,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "support/check_tests.h"
+
 using study::Place;
 using study::Row;
 using study::Step;
 using namespace study_rig;
 
 /// One participant from the start to the end, by the steps that the study's text implies.
-GST_START_TEST(test_steps)
+CHECK_TEST(test_steps)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -70,10 +72,9 @@ GST_START_TEST(test_steps)
   fail_unless_equals_uint64(one.answers().size(), 5);
   fail_unless(study::answer_table(*folder).find("\"'=a, \"\"b\"\"\nc\"") != std::string::npos);
 }
-GST_END_TEST
 
 /// What was answered is there for another process at each step, also if the last line is torn.
-GST_START_TEST(test_nothing_is_lost)
+CHECK_TEST(test_nothing_is_lost)
 {
   const StudyFolder files;
   std::size_t done = 0;
@@ -119,9 +120,8 @@ GST_START_TEST(test_nothing_is_lost)
   }
   fail_unless_equals_uint64(done, 10);
 }
-GST_END_TEST
 
-GST_START_TEST(test_one_at_a_time)
+CHECK_TEST(test_one_at_a_time)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -129,9 +129,8 @@ GST_START_TEST(test_one_at_a_time)
   fail_unless(!other && other.error().find("is in use") != std::string::npos);
   fail_unless(Folder::open(files.path(), Folder::Use::reads).has_value());
 }
-GST_END_TEST
 
-GST_START_TEST(test_marks)
+CHECK_TEST(test_marks)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -173,9 +172,8 @@ GST_START_TEST(test_marks)
     empty.emplace_back("no-commands");
   fail_unless(one.marks(2) == empty, "nothing was seen or felt");
 }
-GST_END_TEST
 
-GST_START_TEST(test_drop_and_forget)
+CHECK_TEST(test_drop_and_forget)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -203,10 +201,9 @@ GST_START_TEST(test_drop_and_forget)
   fail_unless(three->name() == "P03", "a number is not given again");
   fail_unless(three->place() == place);
 }
-GST_END_TEST
 
 /// The edit of a study's file changes nothing for those who have begun.
-GST_START_TEST(test_changed_study)
+CHECK_TEST(test_changed_study)
 {
   const StudyFolder files;
   std::size_t steps = 0;
@@ -228,10 +225,9 @@ GST_START_TEST(test_changed_study)
   fail_unless(questions[questions.size() - 2].labels.size() == 2);
   fail_unless(two.study_sum() != folder->participants()[0]->study_sum());
 }
-GST_END_TEST
 
 /// What began as a journal is known, whatever became of it, and blocks nobody else.
-GST_START_TEST(test_damaged_journal)
+CHECK_TEST(test_damaged_journal)
 {
   const StudyFolder files;
   {
@@ -255,20 +251,18 @@ GST_START_TEST(test_damaged_journal)
   fail_unless(!folder->start("0.1").has_value());
   fail_unless(files.read("data/P05.journal") == before);
 }
-GST_END_TEST
 
 /// A list that cannot be read is no empty list.
-GST_START_TEST(test_unreadable_data)
+CHECK_TEST(test_unreadable_data)
 {
   const StudyFolder files;
   fail_unless(Folder::open(files.path(), Folder::Use::reads).has_value(), "no data yet");
   std::ofstream(files.path() + "/data") << "x";
   fail_unless(!Folder::open(files.path(), Folder::Use::reads).has_value());
 }
-GST_END_TEST
 
 /// Without room for the new journal, the participant is still there, to be forgotten later.
-GST_START_TEST(test_forget_is_cut_off)
+CHECK_TEST(test_forget_is_cut_off)
 {
   const StudyFolder files;
   {
@@ -290,10 +284,9 @@ GST_START_TEST(test_forget_is_cut_off)
   fail_unless(folder->forget("P01").has_value());
   fail_unless((*folder->start("0.1"))->name() == "P02");
 }
-GST_END_TEST
 
 /// Without room for an answer, the step is still the same, in memory and on the disk.
-GST_START_TEST(test_an_answer_without_room)
+CHECK_TEST(test_an_answer_without_room)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -312,10 +305,9 @@ GST_START_TEST(test_an_answer_without_room)
   fail_unless(folder->add(one, *event).has_value());
   fail_unless(one.consent() == "7");
 }
-GST_END_TEST
 
 /// The last point of the scale is one of its steps.
-GST_START_TEST(test_simulated_answers_are_on_the_scale)
+CHECK_TEST(test_simulated_answers_are_on_the_scale)
 {
   std::string text = kStudy;
   text.replace(text.find("high=100"), 8, "high=100\nstep=10");
@@ -326,10 +318,9 @@ GST_START_TEST(test_simulated_answers_are_on_the_scale)
     fail_unless(done.has_value(), "%s", done ? "" : done.error().c_str());
   }
 }
-GST_END_TEST
 
 /// Commands that are 1, 2, …, 100 ms late.
-GST_START_TEST(test_timing)
+CHECK_TEST(test_timing)
 {
   const StudyFolder files;
   const std::string path = files.path() + "/trace.csv";
@@ -347,10 +338,9 @@ GST_START_TEST(test_timing)
   fail_unless_equals_float(timing->p99, 99);
   fail_unless_equals_float(timing->max, 100);
 }
-GST_END_TEST
 
 /// Twelve simulated people: each answers each question of each session once; the effect is there.
-GST_START_TEST(test_simulated_people)
+CHECK_TEST(test_simulated_people)
 {
   const StudyFolder files(study::paper_study("films/bears.mkv"));
   const auto folder = files.open();
@@ -382,10 +372,9 @@ GST_START_TEST(test_simulated_people)
   const std::string table = study::answer_table(*folder);
   fail_unless_equals_int64(std::ranges::count(table, '\n'), 1 + 12 * (4 + 6 * 4 + 3 * 2 + 1));
 }
-GST_END_TEST
 
 /// Pages are told no condition.
-GST_START_TEST(test_pages)
+CHECK_TEST(test_pages)
 {
   const StudyFolder files;
   const auto folder = files.open();
@@ -402,30 +391,5 @@ GST_START_TEST(test_pages)
   const auto all = study::overview(*folder, &one, study::Phase::playing, 0);
   fail_unless(all.find("\"condition\": {\"touch\": ") != std::string::npos, "%s", all.c_str());
 }
-GST_END_TEST
 
-static Suite *
-study_suite(void)
-{
-  Suite *suite = suite_create("study");
-  TCase *tests = tcase_create("study");
-  suite_add_tcase(suite, tests);
-  tcase_set_timeout(tests, 120); // each event is written to the disk
-  tcase_add_test(tests, test_steps);
-  tcase_add_test(tests, test_nothing_is_lost);
-  tcase_add_test(tests, test_one_at_a_time);
-  tcase_add_test(tests, test_marks);
-  tcase_add_test(tests, test_drop_and_forget);
-  tcase_add_test(tests, test_changed_study);
-  tcase_add_test(tests, test_damaged_journal);
-  tcase_add_test(tests, test_unreadable_data);
-  tcase_add_test(tests, test_forget_is_cut_off);
-  tcase_add_test(tests, test_an_answer_without_room);
-  tcase_add_test(tests, test_simulated_answers_are_on_the_scale);
-  tcase_add_test(tests, test_timing);
-  tcase_add_test(tests, test_simulated_people);
-  tcase_add_test(tests, test_pages);
-  return suite;
-}
-
-GST_CHECK_MAIN(study)
+CHECK_MAIN_TIMEOUT(study, 120)

@@ -9,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using study_rig::kStudy;
 using study_rig::StudyFolder;
 
 /// The paper's: 12 people, six conditions, each row twice.
-GST_START_TEST(test_paper_study)
+CHECK_TEST(test_paper_study)
 {
   const auto study = study::read_study(study::paper_study("films/bears.mkv"));
   fail_unless(study.has_value(), "%s", study ? "" : study.error().c_str());
@@ -27,9 +29,8 @@ GST_START_TEST(test_paper_study)
   fail_unless_equals_uint64(films.size(), 3);
   fail_unless(films.contains("films/bears.mkv"));
 }
-GST_END_TEST
 
-GST_START_TEST(test_faults_are_named)
+CHECK_TEST(test_faults_are_named)
 {
   const std::string good = kStudy;
   const std::pair<const char *, std::pair<const char *, const char *>> faults[] = {
@@ -63,10 +64,9 @@ GST_START_TEST(test_faults_are_named)
                 study.error().c_str());
   }
 }
-GST_END_TEST
 
 /// A file of the study lies in its folder, and no item takes the place of a question.
-GST_START_TEST(test_files_of_a_study)
+CHECK_TEST(test_files_of_a_study)
 {
   const StudyFolder files;
   const std::string form = "[questionnaire H]\nkind=likert\nlabels=a;b;\nfile=";
@@ -81,10 +81,9 @@ GST_START_TEST(test_files_of_a_study)
   const auto twice = study::whole_study(form + "h.txt\n[question H1]\ntext=Mine\n", files.path());
   fail_unless(!twice && twice.error().starts_with("[question H1]"));
 }
-GST_END_TEST
 
 /// So many combinations that a product of them would not fit into memory.
-GST_START_TEST(test_too_many_conditions)
+CHECK_TEST(test_too_many_conditions)
 {
   std::string text = kStudy;
   for (int i = 0; i < 30; i++)
@@ -92,19 +91,5 @@ GST_START_TEST(test_too_many_conditions)
   const auto study = study::read_study(text);
   fail_unless(!study && study.error().find("at most 32 sessions") != std::string::npos);
 }
-GST_END_TEST
 
-static Suite *
-study_file_suite(void)
-{
-  Suite *suite = suite_create("study_file");
-  TCase *tests = tcase_create("study_file");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_paper_study);
-  tcase_add_test(tests, test_faults_are_named);
-  tcase_add_test(tests, test_files_of_a_study);
-  tcase_add_test(tests, test_too_many_conditions);
-  return suite;
-}
-
-GST_CHECK_MAIN(study_file)
+CHECK_MAIN(study_file)

@@ -3,7 +3,7 @@
 // Orders of conditions, and the places that participants get in them.
 #include "study/order.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <algorithm>
 #include <map>
@@ -15,7 +15,7 @@ using study::Place;
 using study::Row;
 
 /// Counted by brute force: the definition of a Williams square.
-GST_START_TEST(test_williams_squares)
+CHECK_TEST(test_williams_squares)
 {
   for (std::size_t count = 1; count <= 12; count++) {
     const std::vector<Row> square = study::williams_square(count);
@@ -40,11 +40,10 @@ GST_START_TEST(test_williams_squares)
       fail_unless_equals_uint64(times, rows / count);
   }
 }
-GST_END_TEST
 
 /// After each number of people, no two rows differ by more than one; of an even number of
 /// conditions, neither do positions.
-GST_START_TEST(test_places_are_even)
+CHECK_TEST(test_places_are_even)
 {
   for (const std::size_t count : { 2U, 3U, 5U, 6U }) {
     for (const std::size_t groups : { 1U, 3U }) {
@@ -81,9 +80,8 @@ GST_START_TEST(test_places_are_even)
     }
   }
 }
-GST_END_TEST
 
-GST_START_TEST(test_places_are_given_again)
+CHECK_TEST(test_places_are_given_again)
 {
   const std::vector<Row> square = study::williams_square(6);
   std::vector<GivenPlace> given;
@@ -96,18 +94,5 @@ GST_START_TEST(test_places_are_given_again)
     given.push_back({ .place = again });
   }
 }
-GST_END_TEST
 
-static Suite *
-study_order_suite(void)
-{
-  Suite *suite = suite_create("study_order");
-  TCase *tests = tcase_create("study_order");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_williams_squares);
-  tcase_add_test(tests, test_places_are_even);
-  tcase_add_test(tests, test_places_are_given_again);
-  return suite;
-}
-
-GST_CHECK_MAIN(study_order)
+CHECK_MAIN(study_order)

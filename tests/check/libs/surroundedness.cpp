@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "support/check_tests.h"
+
 using saliency::Surroundedness;
 
 namespace {
@@ -48,7 +50,7 @@ percent(int pixels)
 
 } // namespace
 
-GST_START_TEST(test_box)
+CHECK_TEST(test_box)
 {
   // A box of 8×6 pixels, 30 above its surroundings, exceeds six thresholds 5 apart, 37.5…62.5. The
   // last one does not count, as no further one follows.
@@ -66,9 +68,8 @@ GST_START_TEST(test_box)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_channels_add_up)
+CHECK_TEST(test_channels_add_up)
 {
   auto lab = plain(35, 0, 0);
   box(lab[0], 10, 12, 8, 6, 45);
@@ -76,9 +77,8 @@ GST_START_TEST(test_channels_add_up)
   box(lab[2], 10, 12, 8, 6, 15);
   fail_unless_near(map_of(lab, 5, 0).at<float>(14, 12), 5 + 15 + 10, 1e-3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_border)
+CHECK_TEST(test_border)
 {
   // A box that touches the border with a single sample is background. One sample further in it is
   // not.
@@ -105,9 +105,8 @@ GST_START_TEST(test_border)
     diagonal[0](i, i) = 65;
   fail_unless(map_of(diagonal).at<float>(14, 12) > 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_nested)
+CHECK_TEST(test_nested)
 {
   // The background encloses a ring, and the ring its hole. All 5 thresholds separate the two: the
   // hole has the background's color.
@@ -125,9 +124,8 @@ GST_START_TEST(test_nested)
   fail_unless_near(peak.at<float>(12, 15),
                    15 / std::sqrt(percent(120)) + 5 / std::sqrt(percent(16)), 1e-3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_resolution)
+CHECK_TEST(test_resolution)
 {
   // Areas are shares of the picture: a map of twice the resolution has the same values.
   auto lab = plain(35);
@@ -138,9 +136,8 @@ GST_START_TEST(test_resolution)
   box(fine[0], 20, 24, 16, 12, 65);
   fail_unless_near(map_of(fine).at<float>(26, 26), map_of(lab).at<float>(14, 12), 1e-3);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_figure)
+CHECK_TEST(test_no_figure)
 {
   // A flat picture, a ramp, stripes, and noise that crosses only one threshold.
   ck_assert_int_eq(cv::countNonZero(map_of(plain(53.6, 1e-5, -2e-5))), 0);
@@ -158,9 +155,8 @@ GST_START_TEST(test_no_figure)
                                 oracle::random_image(kWidth, kHeight, 7.6, 12.4, 3) };
   ck_assert_int_eq(cv::countNonZero(map_of(noise)), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_brute_force)
+CHECK_TEST(test_brute_force)
 {
   // One object for pictures of changing size: nothing of an earlier one may remain. Smooth
   // structure and noise, with values within and beyond the range of colors.
@@ -192,22 +188,5 @@ GST_START_TEST(test_brute_force)
       fail_unless_at_most(oracle::difference(map, expected), 1e-5 * expected.maximum() + 1e-9);
     }
 }
-GST_END_TEST;
 
-static Suite *
-surroundedness_suite(void)
-{
-  Suite *suite = suite_create("surroundedness");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_box);
-  tcase_add_test(tc, test_channels_add_up);
-  tcase_add_test(tc, test_border);
-  tcase_add_test(tc, test_nested);
-  tcase_add_test(tc, test_resolution);
-  tcase_add_test(tc, test_no_figure);
-  tcase_add_test(tc, test_brute_force);
-  return suite;
-}
-
-GST_CHECK_MAIN(surroundedness);
+CHECK_MAIN(surroundedness)

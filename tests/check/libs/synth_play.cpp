@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace synth;
 
@@ -109,7 +111,7 @@ fail_unless_within(Time value, Time expected, Time tolerance)
 
 } // namespace
 
-GST_START_TEST(test_half_way_at_the_frame)
+CHECK_TEST(test_half_way_at_the_frame)
 {
   Play play = make_play(1, 0s, settings_for(0s));
   fail_unless(play.lead() == 6ms);
@@ -121,9 +123,8 @@ GST_START_TEST(test_half_way_at_the_frame)
   fail_unless_equals_float(sound.back(), 0);
   fail_unless(play.is_idle());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_felt_at_the_frame)
+CHECK_TEST(test_felt_at_the_frame)
 {
   // 90 % of a resonator's rise is at the frame, from rest and from half. Its fall begins there.
   for (const Time rise : { Time(10ms), Time(25ms), Time(100ms) }) {
@@ -138,9 +139,8 @@ GST_START_TEST(test_felt_at_the_frame)
     fail_unless_within(reaches(sound, 0.5F, 1900ms, true), 2s, 50us);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_same_in_parts)
+CHECK_TEST(test_same_in_parts)
 {
   std::vector<std::vector<float>> maps;
   for (int i = 0; i < 200; i++)
@@ -162,9 +162,8 @@ GST_START_TEST(test_same_in_parts)
   fail_unless(same.size() > 300000);
   fail_unless(std::equal(same.begin(), same.end(), sound.begin()));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_drift)
+CHECK_TEST(test_no_drift)
 {
   // 44.1 kHz over a day: sample 44100 n is at n seconds.
   SampleGrid grid{ .origin = 3ns, .rate = 44100 };
@@ -175,9 +174,8 @@ GST_START_TEST(test_no_drift)
   for (std::int64_t i = -3; i < 100000; i += 7)
     fail_unless_equals_int64(grid.index_of(grid.time_of(i)), i);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   tactor::PlannerSettings settings = settings_for(0s);
   settings.limits = { .max_on_time = 300ms, .max_duty = 0, .max_active = 1 };
@@ -194,9 +192,8 @@ GST_START_TEST(test_limits)
   fail_unless_within(reaches(strong, 0.5F, 100ms, true), 300ms, 50us);
   fail_unless_equals_float(weak[kRate / 5], 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mute_and_soft_start)
+CHECK_TEST(test_mute_and_soft_start)
 {
   Play play = make_play(1, 0s, settings_for(0s));
   play.set_soft_start(100ms);
@@ -214,9 +211,8 @@ GST_START_TEST(test_mute_and_soft_start)
   fail_unless_near(back[kRate * 50 / 1000], 0.5, 0.01);
   fail_unless_near(back.back(), 1, 1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_reset)
+CHECK_TEST(test_reset)
 {
   Play play = make_play(1, 25ms, settings_for(25ms));
   play.begin(0s);
@@ -234,9 +230,8 @@ GST_START_TEST(test_reset)
   fail_unless_equals_float(render_until(play, 1165ms).back(), 0);
   fail_unless_equals_float(render_until(play, 1300ms).back(), 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frequencies)
+CHECK_TEST(test_frequencies)
 {
   const auto sine = make_wave(Waveform::sine, 60);
   const auto play_of = [&](const std::vector<double> &frequencies) {
@@ -270,10 +265,9 @@ GST_START_TEST(test_frequencies)
   const auto unchanged = render_until(plain, 900ms);
   fail_unless(std::equal(unchanged.begin(), unchanged.end(), play_of({ 0 }).begin()));
 }
-GST_END_TEST;
 
 /// A channel that begins early, by its rise time, begins with the frequency of its map.
-GST_START_TEST(test_frequency_of_the_rise)
+CHECK_TEST(test_frequency_of_the_rise)
 {
   Play play(kRate, { { .wave = make_wave(Waveform::sine, 50), .frequency = 50 } },
             settings_for(100ms), { shaker(100ms, 1) });
@@ -290,25 +284,5 @@ GST_START_TEST(test_frequency_of_the_rise)
   fail_unless(std::abs(high - expected) <= 1, "%zd, expected %zd", std::ptrdiff_t(high),
               std::ptrdiff_t(expected));
 }
-GST_END_TEST;
 
-static Suite *
-synth_play_suite(void)
-{
-  Suite *suite = suite_create("synth_play");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_half_way_at_the_frame);
-  tcase_add_test(tcase, test_felt_at_the_frame);
-  tcase_add_test(tcase, test_same_in_parts);
-  tcase_add_test(tcase, test_no_drift);
-  tcase_add_test(tcase, test_limits);
-  tcase_add_test(tcase, test_mute_and_soft_start);
-  tcase_add_test(tcase, test_frequencies);
-  tcase_add_test(tcase, test_frequency_of_the_rise);
-  tcase_add_test(tcase, test_reset);
-  return suite;
-}
-
-GST_CHECK_MAIN(synth_play);
+CHECK_MAIN(synth_play)

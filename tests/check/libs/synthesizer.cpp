@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <random>
 
+#include "support/check_tests.h"
+
 using namespace synth;
 
 namespace {
@@ -52,7 +54,7 @@ peak_of(std::span<const float> samples)
 
 } // namespace
 
-GST_START_TEST(test_sine)
+CHECK_TEST(test_sine)
 {
   for (const int rate : { 8000, 44100, 48000, 192000 })
     for (const double frequency : { 20.0, 60.0, 250.0, 1000.0 }) {
@@ -62,9 +64,8 @@ GST_START_TEST(test_sine)
       fail_unless_at_most(strongest_outside(sound, rate, frequency - 5, frequency + 5), -85);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_harmonics)
+CHECK_TEST(test_harmonics)
 {
   const double pi = std::numbers::pi;
   const std::vector<double> square = spectrum_of(steady(Waveform::square, 50));
@@ -82,9 +83,8 @@ GST_START_TEST(test_harmonics)
     fail_unless_near(peak_of(sound), 1, 1e-3);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise)
+CHECK_TEST(test_noise)
 {
   const std::vector<float> sound = steady(Waveform::noise, 80);
   fail_unless_at_most(strongest_outside(sound, kRate, 80 / 1.414 - 6, 80 * 1.414 + 6), -80);
@@ -103,9 +103,8 @@ GST_START_TEST(test_noise)
   for (const double power : bands)
     fail_unless(power > sum / 4 && power < sum * 4);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_own_loop)
+CHECK_TEST(test_own_loop)
 {
   // A period of four samples, played at a quarter of its rate: linear between them.
   const std::vector<float> loop = { 0, 1, 0, -2 };
@@ -117,9 +116,8 @@ GST_START_TEST(test_own_loop)
   for (std::size_t i = 1; i < expected.size(); i++) // the first is in the ramp
     fail_unless_near(sound[i], expected[i], 1e-5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_ramps_do_not_click)
+CHECK_TEST(test_ramps_do_not_click)
 {
   // Up and down within a window of 171 ms, at several phases of the carrier, also while others are
   // under way.
@@ -141,9 +139,8 @@ GST_START_TEST(test_ramps_do_not_click)
             strongest_outside(sound, kRate, frequency - kSideband, frequency + kSideband), -60);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_step_of_one_sample_clicks)
+CHECK_TEST(test_step_of_one_sample_clicks)
 {
   // What the test above would find without ramps.
   Synthesizer synthesizer(kRate, { voice() }, 1);
@@ -153,9 +150,8 @@ GST_START_TEST(test_step_of_one_sample_clicks)
   sound.insert(sound.end(), more.begin(), more.end());
   fail_unless(strongest_outside(sound, kRate, -1, 60 + kSideband) > -45);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_half_way_in_the_middle)
+CHECK_TEST(test_half_way_in_the_middle)
 {
   // A carrier of 1: the samples are the amplitude.
   const auto one = std::make_shared<const Wave>(1, std::vector<float>{ 1 });
@@ -179,9 +175,8 @@ GST_START_TEST(test_half_way_in_the_middle)
   fail_unless(synthesizer.is_silent());
   fail_unless_equals_float(peak_of(render(synthesizer, 100)), 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_phase_goes_on)
+CHECK_TEST(test_phase_goes_on)
 {
   // Through silence, a change and a skip, the carrier is that of the time.
   Synthesizer synthesizer(kRate, { voice(Waveform::sine, 37) }, kRamp);
@@ -200,7 +195,6 @@ GST_START_TEST(test_phase_goes_on)
     fail_unless_near(sound[i], std::sin(2 * std::numbers::pi * rounds / kRate), 1e-5);
   }
 }
-GST_END_TEST;
 
 /// Two seconds with a change each 20 ms, rendered in parts of `part` samples, or of any size.
 static std::vector<float>
@@ -228,7 +222,7 @@ in_parts(std::size_t channels, std::size_t part)
   return samples;
 }
 
-GST_START_TEST(test_same_in_parts)
+CHECK_TEST(test_same_in_parts)
 {
   for (const std::size_t channels : { 1, 2, 9, 64 }) {
     const std::vector<float> whole = in_parts(channels, 960);
@@ -237,9 +231,8 @@ GST_START_TEST(test_same_in_parts)
       fail_unless(in_parts(channels, part) == whole);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_never_beyond_full_scale)
+CHECK_TEST(test_never_beyond_full_scale)
 {
   // More changes at once than there are ramps, of any size, also of no number.
   std::mt19937 any(3);
@@ -262,9 +255,8 @@ GST_START_TEST(test_never_beyond_full_scale)
   render(synthesizer, 2 * kRamp, 2);
   fail_unless(synthesizer.is_silent());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limiter)
+CHECK_TEST(test_limiter)
 {
   // Beyond full scale it is full scale: nothing is clipped.
   Voice raised = voice();
@@ -284,9 +276,8 @@ GST_START_TEST(test_limiter)
   synthesizer.change(0, 1);
   fail_unless_near(render(synthesizer, kRamp / 2).back(), 0.5, 1e-2);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_soft_start)
+CHECK_TEST(test_soft_start)
 {
   const auto one = std::make_shared<const Wave>(1, std::vector<float>{ 1 });
   Synthesizer synthesizer(kRate, { { one }, { one } }, 1);
@@ -302,28 +293,5 @@ GST_START_TEST(test_soft_start)
   synthesizer.change(0, 1);
   fail_unless_near(render(synthesizer, 2, 2)[2], 1, 1e-6);
 }
-GST_END_TEST;
 
-static Suite *
-synthesizer_suite(void)
-{
-  Suite *suite = suite_create("synthesizer");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_sine);
-  tcase_add_test(tcase, test_harmonics);
-  tcase_add_test(tcase, test_noise);
-  tcase_add_test(tcase, test_own_loop);
-  tcase_add_test(tcase, test_ramps_do_not_click);
-  tcase_add_test(tcase, test_step_of_one_sample_clicks);
-  tcase_add_test(tcase, test_half_way_in_the_middle);
-  tcase_add_test(tcase, test_phase_goes_on);
-  tcase_add_test(tcase, test_same_in_parts);
-  tcase_add_test(tcase, test_never_beyond_full_scale);
-  tcase_add_test(tcase, test_limiter);
-  tcase_add_test(tcase, test_soft_start);
-  return suite;
-}
-
-GST_CHECK_MAIN(synthesizer);
+CHECK_MAIN(synthesizer)

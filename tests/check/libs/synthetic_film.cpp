@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactile/synthetic_film.h"
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 #include <algorithm>
 #include <chrono>
@@ -84,7 +84,7 @@ third(double position, int size)
 
 } // namespace
 
-GST_START_TEST(test_static_motion)
+CHECK_TEST(test_static_motion)
 {
   for (std::uint64_t seed = 0; seed < 5; seed++) {
     const SyntheticFilm film({ .seed = seed });
@@ -119,9 +119,8 @@ GST_START_TEST(test_static_motion)
                 "%d pairs, %d singles, %d long rests", pairs, singles, long_rests);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_dynamic_motion)
+CHECK_TEST(test_dynamic_motion)
 {
   for (std::uint64_t seed = 0; seed < 5; seed++) {
     const SyntheticFilm film({ .pattern = FilmPattern::dynamic_motion, .seed = seed });
@@ -163,9 +162,8 @@ GST_START_TEST(test_dynamic_motion)
     fail_unless(long_stalls >= 3, "%d", long_stalls);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_function_of_seed_and_time)
+CHECK_TEST(test_function_of_seed_and_time)
 {
   for (const FilmPattern pattern : { FilmPattern::static_motion, FilmPattern::dynamic_motion }) {
     const SyntheticFilm film({ .pattern = pattern, .seed = 4 });
@@ -186,9 +184,8 @@ GST_START_TEST(test_function_of_seed_and_time)
     fail_if(film.balls_at(Time::max(), kWidth, kHeight).size() > 2);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_settings)
+CHECK_TEST(test_settings)
 {
   for (const int balls : { 1, 2 })
     for (const FilmPattern pattern : { FilmPattern::static_motion, FilmPattern::dynamic_motion }) {
@@ -207,9 +204,8 @@ GST_START_TEST(test_settings)
   fail_unless(SyntheticFilm({ .balls = -1, .ball_size = 9 }).balls_at(2s, 10, 10).at(0).radius
               == 5);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_any_size)
+CHECK_TEST(test_any_size)
 {
   // Another size shows the same film: positions scale with the space that a ball can move in.
   const SyntheticFilm film({ .seed = 2, .balls = 1 });
@@ -223,9 +219,8 @@ GST_START_TEST(test_any_size)
   fail_unless_equals_float(flat.radius, 50);
   fail_unless(film.balls_at(2s, 1, 1).size() == 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_drawn_area_and_center)
+CHECK_TEST(test_drawn_area_and_center)
 {
   for (const double radius : { 0.1, 0.4, 1.0, 3.7, 20.25 })
     for (const double x : { 30.0, 30.5, 31.3 }) {
@@ -262,9 +257,8 @@ GST_START_TEST(test_drawn_area_and_center)
           fail_unless(picture.at(column, row) == 50);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_drawn_inside_and_outside)
+CHECK_TEST(test_drawn_inside_and_outside)
 {
   Picture picture(64, 60, 50);
   const Ball ball{ .x = 5.2, .y = 30, .radius = 12.5 }; // beyond the left edge
@@ -284,9 +278,8 @@ GST_START_TEST(test_drawn_inside_and_outside)
     draw_ball(untouched.plane(), { .x = x, .y = y, .radius = 12.5 }, 10);
   fail_unless(std::ranges::all_of(untouched.samples, [](int v) { return v == 50; }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_drawn_in_subsampled_components)
+CHECK_TEST(test_drawn_in_subsampled_components)
 {
   // A sample of 2 × 2 pixels is about their mean.
   Picture fine(128, 128, 0);
@@ -305,9 +298,8 @@ GST_START_TEST(test_drawn_in_subsampled_components)
     }
   fail_unless(difference <= 0.11 * 240, "%g", difference);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise_distribution)
+CHECK_TEST(test_noise_distribution)
 {
   for (const double sigma : { 0.5, 1.0, 2.0, 4.0, 32.0 }) {
     Picture picture(601, 500, 128, 0);
@@ -338,9 +330,8 @@ GST_START_TEST(test_noise_distribution)
                 neighbors / n / variance);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise_is_a_function)
+CHECK_TEST(test_noise_is_a_function)
 {
   const auto noisy = [](std::uint64_t seed, int component, Time time, double sigma = 4) {
     Picture picture(64, 64, 128);
@@ -364,9 +355,8 @@ GST_START_TEST(test_noise_is_a_function)
   const auto silent = noisy(1, 0, 40ms, 0);
   fail_unless(std::ranges::all_of(silent, [](int v) { return v == 128; }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_noise_is_bounded)
+CHECK_TEST(test_noise_is_bounded)
 {
   for (const std::uint8_t value : { 0, 255 }) {
     Picture picture(64, 64, value);
@@ -391,26 +381,5 @@ GST_START_TEST(test_noise_is_bounded)
   for (std::size_t i = 0; i < packed.samples.size(); i++)
     fail_if(i % 63 % 3 != 0 && packed.samples[i] != 128);
 }
-GST_END_TEST;
 
-static Suite *
-synthetic_film_suite(void)
-{
-  Suite *suite = suite_create("synthetic_film");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_static_motion);
-  tcase_add_test(tests, test_dynamic_motion);
-  tcase_add_test(tests, test_function_of_seed_and_time);
-  tcase_add_test(tests, test_settings);
-  tcase_add_test(tests, test_any_size);
-  tcase_add_test(tests, test_drawn_area_and_center);
-  tcase_add_test(tests, test_drawn_inside_and_outside);
-  tcase_add_test(tests, test_drawn_in_subsampled_components);
-  tcase_add_test(tests, test_noise_distribution);
-  tcase_add_test(tests, test_noise_is_a_function);
-  tcase_add_test(tests, test_noise_is_bounded);
-  return suite;
-}
-
-GST_CHECK_MAIN(synthetic_film)
+CHECK_MAIN(synthetic_film)

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 /// Whether the caps can be read. If not, no output may be written.
@@ -22,7 +24,7 @@ parses(const gchar *text, guint *rows, guint *columns, gint *n, gint *d)
 
 } // namespace
 
-GST_START_TEST(test_caps)
+CHECK_TEST(test_caps)
 {
   GstCaps *caps = gst_tactile_map_caps_new(3, 5, 30000, 1001);
   GstCaps *expected = gst_caps_from_string(
@@ -45,9 +47,8 @@ GST_START_TEST(test_caps)
   for (GstCaps *c : { caps, expected, any })
     gst_caps_unref(c);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_without_framerate)
+CHECK_TEST(test_caps_without_framerate)
 {
   guint rows = 0;
   guint columns = 0;
@@ -59,9 +60,8 @@ GST_START_TEST(test_caps_without_framerate)
   fail_unless_equals_int(n, 0);
   fail_unless_equals_int(d, 1);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_caps_of_something_else)
+CHECK_TEST(test_caps_of_something_else)
 {
   guint rows = 77;
   guint columns = 78;
@@ -90,9 +90,8 @@ GST_START_TEST(test_caps_of_something_else)
   ASSERT_REFUSED(gst_tactile_map_caps_new(3, 3, -1, 1));
   ASSERT_REFUSED(gst_tactile_map_caps_new(3, 3, 30, 0));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_buffer_bytes)
+CHECK_TEST(test_buffer_bytes)
 {
   // IEEE 754 single precision, little endian.
   const std::array<gfloat, 4> levels{ 0.25F, 1.0F, -3.0F, std::nanf("") };
@@ -107,9 +106,8 @@ GST_START_TEST(test_buffer_bytes)
   ASSERT_REFUSED(gst_tactile_map_buffer_new(levels.data(), 0));
   ASSERT_REFUSED(gst_tactile_map_buffer_new(levels.data(), 64 * 64 + 1));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_buffer_levels)
+CHECK_TEST(test_buffer_levels)
 {
   // 0.5, 2.0, NaN, -1.0 from two memories. A level straddles them.
   const std::array<guint8, 16> bytes{ 0, 0, 0,    0x3f, 0, 0, 0,    0x40,
@@ -141,9 +139,8 @@ GST_START_TEST(test_buffer_levels)
   fail_if(gst_tactile_map_buffer_get_levels(empty, 1, 1, &levels, &n));
   gst_buffer_unref(empty);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   std::vector<gfloat> in(64 * 64);
   for (gsize i = 0; i < in.size(); i++)
@@ -156,21 +153,5 @@ GST_START_TEST(test_round_trip)
   g_free(out);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-static Suite *
-tactile_caps_suite(void)
-{
-  Suite *suite = suite_create("tactile_caps");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_caps);
-  tcase_add_test(tests, test_caps_without_framerate);
-  tcase_add_test(tests, test_caps_of_something_else);
-  tcase_add_test(tests, test_buffer_bytes);
-  tcase_add_test(tests, test_buffer_levels);
-  tcase_add_test(tests, test_round_trip);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactile_caps)
+CHECK_MAIN(tactile_caps)

@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::Gain;
 using tactile::MappingSettings;
 using tactile::Order;
@@ -79,7 +81,7 @@ area_mean(const Map &map, Extent horizontal, Extent vertical, int rows, int colu
 
 } // namespace
 
-GST_START_TEST(test_pooling_by_area)
+CHECK_TEST(test_pooling_by_area)
 {
   unsigned seed = 0;
   for (const auto &[width, height] :
@@ -95,9 +97,8 @@ GST_START_TEST(test_pooling_by_area)
               area_mean(map, { 0, 1.0 * width }, { 0, 1.0 * height }, rows, columns, r, c), 1e-6);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_picture_in_the_map)
+CHECK_TEST(test_picture_in_the_map)
 {
   // In a pyramid, the picture begins inside the first sample and ends inside the last one or beyond
   // it.
@@ -120,9 +121,8 @@ GST_START_TEST(test_picture_in_the_map)
                                area_mean(map, horizontal, vertical, rows, columns, r, c), 1e-6);
         }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_square_in_one_cell)
+CHECK_TEST(test_square_in_one_cell)
 {
   // 4×4 of the 10×10 pixels of a cell, in each cell of each grid.
   for (const int side : { 1, 3, 4 })
@@ -136,9 +136,8 @@ GST_START_TEST(test_square_in_one_cell)
             fail_unless_near(out.at(i, j), i == r && j == c ? 0.16 : 0.0, 1e-7);
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_square_on_a_border)
+CHECK_TEST(test_square_on_a_border)
 {
   // 6 columns are in the left cell and 2 in the right one, 3 rows above and 5 below, as shares of
   // 100 pixels a cell.
@@ -154,9 +153,8 @@ GST_START_TEST(test_square_on_a_border)
   fail_unless_near(halves.at(0, 0), 1 / 3.0, 1e-7);
   fail_unless_near(halves.at(0, 1), 1 / 3.0, 1e-7);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_map_smaller_than_grid)
+CHECK_TEST(test_map_smaller_than_grid)
 {
   // One pixel fills any grid, two fill a half each.
   for (const int side : { 1, 3, 64 })
@@ -167,9 +165,8 @@ GST_START_TEST(test_map_smaller_than_grid)
     for (int c = 0; c < 64; ++c)
       fail_unless_near(out.at(r, c), c < 32 ? 0 : 1, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_stride)
+CHECK_TEST(test_stride)
 {
   // A negative stride.
   const Map memory = random_map(9, 6, 3);
@@ -181,9 +178,8 @@ GST_START_TEST(test_stride)
   map_saliency({ memory.values.data() + 5 * 9, 9, 6, -9 }, kPooling, out);
   fail_unless(out == levels(map, kPooling, 3, 3));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_threshold)
+CHECK_TEST(test_threshold)
 {
   // 1, ½, just above ½ and just below. At 50 % only values above ½ remain.
   Map map(4, 1);
@@ -205,9 +201,8 @@ GST_START_TEST(test_threshold)
   fail_unless((kept(0.5) == std::vector<float>{ 0.5F, 0, 0.375F, 0 }));
   fail_unless((kept(0) == std::vector<float>{ 0.5F, 0.25F, 0.375F, 0 }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_threshold_of_cells)
+CHECK_TEST(test_threshold_of_cells)
 {
   // Pooled by the integral of the map, then compared with the strongest cell.
   unsigned seed = 700;
@@ -245,9 +240,8 @@ GST_START_TEST(test_threshold_of_cells)
   fail_unless_near(pixels.at(0, 0), 0.01, 1e-6);
   fail_unless_near(pixels.at(0, 1), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_center_weight)
+CHECK_TEST(test_center_weight)
 {
   // Values of the formula by hand: a cell in a corner of 3 × 3 is a third of each side away,
   // exp(−2 (1/3)² / (2 · 0.25²)) = 0.169013; one beside the middle 0.411112.
@@ -263,9 +257,8 @@ GST_START_TEST(test_center_weight)
       }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_floor)
+CHECK_TEST(test_floor)
 {
   MappingSettings settings = kPooling;
   settings.floor = 0.75;
@@ -277,9 +270,8 @@ GST_START_TEST(test_floor)
   settings.floor = 0.75;
   fail_if(silent(levels(Map(100, 100).square(0, 0, 1, 1, 1), settings, 1, 1)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_perceptual_gain)
+CHECK_TEST(test_perceptual_gain)
 {
   // The event's ΔE gives the strongest cell's level, whatever the event's size. Values of the
   // formula by hand.
@@ -317,9 +309,8 @@ GST_START_TEST(test_perceptual_gain)
     fail_unless_near(levels(map, settings, 1, 3).at(0, 2), 0.705696447, 1e-6);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_relative_gain)
+CHECK_TEST(test_relative_gain)
 {
   // The event's strength gives the strongest cell's level, whatever the map's values. Values of the
   // formula by hand: a thirtieth is the weakest, the root of a thirtieth is half way.
@@ -340,17 +331,15 @@ GST_START_TEST(test_relative_gain)
       fail_unless_near(out.at(0, 2), 0.75 * level, 1e-6);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_no_gain_is_limited)
+CHECK_TEST(test_no_gain_is_limited)
 {
   const TactileMap out = levels(Map(4, 4, 37.0F), kPooling, 2, 2);
   for (const float level : out.levels)
     fail_unless_near(level, 1, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_prefilter)
+CHECK_TEST(test_prefilter)
 {
   // By definition: each pixel becomes the Gaussian mean about it (over the map's own samples),
   // which is interpolated at the centers of the cells.
@@ -393,9 +382,8 @@ GST_START_TEST(test_prefilter)
           }
       }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_profiles)
+CHECK_TEST(test_profiles)
 {
   const auto paper = MappingSettings::paper();
   fail_unless(paper.order == Order::threshold_first && paper.binary && paper.gain == Gain::none);
@@ -430,9 +418,8 @@ GST_START_TEST(test_profiles)
   fail_unless_near(out.at(0, 1), 1, 1e-6);
   fail_unless_near(out.at(0, 2), 0, 0);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_spatial_profile)
+CHECK_TEST(test_spatial_profile)
 {
   // Two units of the map are 1 ΔE. The weakest level is 0.2 at 4 ΔE, as in the other profiles.
   for (const double s : { 7.9, 8.1, 16.0, 58.0, 200.0 }) {
@@ -451,9 +438,8 @@ GST_START_TEST(test_spatial_profile)
                                   : 0,
                      1e-6);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_bad_values)
+CHECK_TEST(test_bad_values)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
@@ -480,32 +466,5 @@ GST_START_TEST(test_bad_values)
   map_saliency(map.view(), MappingSettings::tuned(), nothing);
   fail_unless(nothing == TactileMap());
 }
-GST_END_TEST;
 
-static Suite *
-tactile_mapping_suite(void)
-{
-  Suite *suite = suite_create("tactile_mapping");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_pooling_by_area);
-  tcase_add_test(tc, test_picture_in_the_map);
-  tcase_add_test(tc, test_square_in_one_cell);
-  tcase_add_test(tc, test_square_on_a_border);
-  tcase_add_test(tc, test_map_smaller_than_grid);
-  tcase_add_test(tc, test_stride);
-  tcase_add_test(tc, test_threshold);
-  tcase_add_test(tc, test_threshold_of_cells);
-  tcase_add_test(tc, test_center_weight);
-  tcase_add_test(tc, test_floor);
-  tcase_add_test(tc, test_perceptual_gain);
-  tcase_add_test(tc, test_relative_gain);
-  tcase_add_test(tc, test_no_gain_is_limited);
-  tcase_add_test(tc, test_prefilter);
-  tcase_add_test(tc, test_profiles);
-  tcase_add_test(tc, test_spatial_profile);
-  tcase_add_test(tc, test_bad_values);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactile_mapping);
+CHECK_MAIN(tactile_mapping)

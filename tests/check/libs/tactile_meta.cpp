@@ -12,6 +12,8 @@
 #include <limits>
 #include <vector>
 
+#include "support/check_tests.h"
+
 namespace {
 
 constexpr std::array<gfloat, 6> kLevels{ 0.0F, 0.25F, 0.5F, 0.75F, 1.0F, 0.125F };
@@ -46,7 +48,7 @@ count_metas(GstBuffer *buffer)
 
 } // namespace
 
-GST_START_TEST(test_add_and_get)
+CHECK_TEST(test_add_and_get)
 {
   GstBuffer *buffer = gst_buffer_new();
   fail_unless(gst_buffer_get_tactile_meta(buffer) == nullptr);
@@ -64,9 +66,8 @@ GST_START_TEST(test_add_and_get)
   }
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels_are_clamped)
+CHECK_TEST(test_levels_are_clamped)
 {
   constexpr gfloat inf = std::numeric_limits<gfloat>::infinity();
   const std::array<gfloat, 6> wild{ -0.5F, 1.5F, std::nanf(""), inf, -inf, 0.5F };
@@ -77,9 +78,8 @@ GST_START_TEST(test_levels_are_clamped)
     fail_unless_equals_float(gst_tactile_meta_get_level(meta, 0, i), tame[i]);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limits)
+CHECK_TEST(test_limits)
 {
   const std::vector<gfloat> many(65 * 65, 0.5F);
   GstBuffer *buffer = gst_buffer_new();
@@ -102,9 +102,8 @@ GST_START_TEST(test_limits)
   gst_buffer_unref(buffer);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_out_of_the_grid)
+CHECK_TEST(test_out_of_the_grid)
 {
   GstBuffer *buffer = gst_buffer_new();
   GstTactileMeta *meta = add(buffer);
@@ -115,9 +114,8 @@ GST_START_TEST(test_out_of_the_grid)
   }
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_one_per_buffer)
+CHECK_TEST(test_one_per_buffer)
 {
   const std::array<gfloat, 2> other{ 1, 0 };
   GstBuffer *buffer = gst_buffer_new();
@@ -132,9 +130,8 @@ GST_START_TEST(test_one_per_buffer)
   assert_levels(buffer);
   gst_buffer_unref(buffer);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_copies)
+CHECK_TEST(test_copies)
 {
   GstBuffer *buffer = gst_buffer_new_allocate(nullptr, 100, nullptr);
   add(buffer);
@@ -152,10 +149,9 @@ GST_START_TEST(test_copies)
   for (GstBuffer *copy : { whole, deep, region, bare })
     gst_buffer_unref(copy);
 }
-GST_END_TEST;
 
 #if GST_CHECK_VERSION(1, 24, 0)
-GST_START_TEST(test_serialized)
+CHECK_TEST(test_serialized)
 {
   GstBuffer *frame = gst_buffer_new();
   constexpr std::array<gfloat, 6> kLevels{ 0, 0.1F, 0.2F, 0.5F, 0.75F, 1 };
@@ -191,11 +187,10 @@ GST_START_TEST(test_serialized)
   gst_buffer_unref(other);
   gst_buffer_unref(frame);
 }
-GST_END_TEST;
 #endif
 
 /// A meta that has no map yet is in no copy.
-GST_START_TEST(test_no_map)
+CHECK_TEST(test_no_map)
 {
   GstBuffer *frame = gst_buffer_new();
   const auto *meta = reinterpret_cast<GstTactileMeta *>(
@@ -211,9 +206,8 @@ GST_START_TEST(test_no_map)
   gst_buffer_unref(copy);
   gst_buffer_unref(frame);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_frequency)
+CHECK_TEST(test_frequency)
 {
   GstBuffer *frame = gst_buffer_new();
   fail_unless_equals_float(gst_buffer_get_tactile_frequency(frame), 0);
@@ -235,9 +229,8 @@ GST_START_TEST(test_frequency)
   gst_buffer_unref(copy);
   gst_buffer_unref(frame);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_transforms)
+CHECK_TEST(test_transforms)
 {
   GstBuffer *source = gst_buffer_new();
   GstMeta *meta = &add(source)->meta;
@@ -262,7 +255,6 @@ GST_START_TEST(test_transforms)
   gst_buffer_unref(other);
   gst_buffer_unref(source);
 }
-GST_END_TEST;
 
 /// As GStreamer 1.28 has it.
 struct Matrix
@@ -291,7 +283,7 @@ levels_of(GstBuffer *buffer)
   return { meta->levels, meta->levels + std::size_t{ meta->rows } * meta->columns };
 }
 
-GST_START_TEST(test_moved_picture)
+CHECK_TEST(test_moved_picture)
 {
   GstVideoInfo in;
   GstVideoInfo out;
@@ -332,10 +324,9 @@ GST_START_TEST(test_moved_picture)
     fail_unless_equals_int(count_metas(moved), 0);
   }
 }
-GST_END_TEST;
 
 /// Two pictures in one frame have one map, the stronger level of each cell.
-GST_START_TEST(test_two_pictures)
+CHECK_TEST(test_two_pictures)
 {
   GstVideoInfo in;
   GstVideoInfo out;
@@ -353,11 +344,10 @@ GST_START_TEST(test_two_pictures)
   }
   fail_unless(levels_of(frame) == std::vector<gfloat>({ 0.375F, 0.375F, 0.375F, 0.5F }));
 }
-GST_END_TEST;
 
 /// The levels are upright already: who turns the frame, too, leaves them. What comes after that
 /// turns both.
-GST_START_TEST(test_turned_as_told)
+CHECK_TEST(test_turned_as_told)
 {
   GstVideoInfo in;
   GstVideoInfo out;
@@ -386,9 +376,8 @@ GST_START_TEST(test_turned_as_told)
   fail_unless(move(source, upper, half));
   fail_unless(levels_of(upper) == std::vector<gfloat>({ 0, 0.25F, 0.5F, 0, 0.25F, 0.5F }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_pooled_buffers)
+CHECK_TEST(test_pooled_buffers)
 {
   GstBufferPool *pool = gst_buffer_pool_new();
   GstStructure *config = gst_buffer_pool_get_config(pool);
@@ -413,9 +402,8 @@ GST_START_TEST(test_pooled_buffers)
   gst_buffer_pool_set_active(pool, FALSE);
   gst_object_unref(pool);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_survives_real_elements)
+CHECK_TEST(test_survives_real_elements)
 {
   GstHarness *h = gst_harness_new_parse(
       "videoconvert ! videoscale ! video/x-raw,format=RGB,width=20,height=30 ! "
@@ -437,32 +425,5 @@ GST_START_TEST(test_survives_real_elements)
   gst_buffer_unref(out);
   gst_harness_teardown(h);
 }
-GST_END_TEST;
 
-static Suite *
-tactile_meta_suite(void)
-{
-  Suite *suite = suite_create("tactile_meta");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_add_and_get);
-  tcase_add_test(tests, test_levels_are_clamped);
-  tcase_add_test(tests, test_limits);
-  tcase_add_test(tests, test_out_of_the_grid);
-#if GST_CHECK_VERSION(1, 24, 0)
-  tcase_add_test(tests, test_serialized);
-#endif
-  tcase_add_test(tests, test_frequency);
-  tcase_add_test(tests, test_no_map);
-  tcase_add_test(tests, test_one_per_buffer);
-  tcase_add_test(tests, test_copies);
-  tcase_add_test(tests, test_transforms);
-  tcase_add_test(tests, test_moved_picture);
-  tcase_add_test(tests, test_two_pictures);
-  tcase_add_test(tests, test_turned_as_told);
-  tcase_add_test(tests, test_pooled_buffers);
-  tcase_add_test(tests, test_survives_real_elements);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactile_meta)
+CHECK_MAIN(tactile_meta)

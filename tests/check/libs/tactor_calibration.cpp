@@ -12,6 +12,8 @@
 
 #include "support/tolerance.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactor;
 
@@ -27,7 +29,7 @@ to_ms(Time time)
 
 // The paper's motor, recorded with noise: the calibration recovers Eq. 1, latency, start and hold
 // voltage and fall time.
-GST_START_TEST(papers_motor_is_recovered)
+CHECK_TEST(papers_motor_is_recovered)
 {
   const MotorParameters motor{ .hold_volts = 0.3, .latency = 8ms };
   std::vector<StepResponse> responses
@@ -49,11 +51,10 @@ GST_START_TEST(papers_motor_is_recovered)
   for (const VibrationPoint &point : tactor.vibration)
     fail_unless_near(point.amplitude, 0.25 * point.volts, 0.01 * point.volts);
 }
-GST_END_TEST
 
 // A command got lost, and a motor was touched: both steps are named and have no effect on the
 // result.
-GST_START_TEST(contradicted_steps_are_named_and_left_out)
+CHECK_TEST(contradicted_steps_are_named_and_left_out)
 {
   const std::vector<MotorParameters> motors{ { .latency = 5ms } };
   std::vector<StepResponse> responses = measure({ .repetitions = 3 }, motors, { .noise = 0.002 });
@@ -85,10 +86,9 @@ GST_START_TEST(contradicted_steps_are_named_and_left_out)
                    without.tactors.at(0).quadratic->coefficients[0], 2);
   fail_unless(with.tactors.at(0).start_volts == without.tactors.at(0).start_volts);
 }
-GST_END_TEST
 
 // A phone's recording, started by hand some time before.
-GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
+CHECK_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
 {
   const std::vector<MotorParameters> motors{ { .latency = 5ms } };
   const MeasurementRun run = plan_measurement({})->at(1);
@@ -104,11 +104,10 @@ GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
                               recording.channels[0].begin() + 8 * 3000);
   fail_unless_near(to_ms(align(recording, trace, { 15, 160 })), 3000, 100);
 }
-GST_END_TEST
 
 // Within any minute no tactor is on for longer, or for a larger share of time, than tactorsink's
 // limits allow.
-GST_START_TEST(plans_keep_limits)
+CHECK_TEST(plans_keep_limits)
 {
   for (const std::vector<int> &tactors : { std::vector<int>{ 0 }, { 0, 1 }, { 3, 1, 8 } })
     for (const double step : { 0.25, 0.5 }) {
@@ -132,9 +131,8 @@ GST_START_TEST(plans_keep_limits)
       }
     }
 }
-GST_END_TEST
 
-GST_START_TEST(invalid_plans_are_refused)
+CHECK_TEST(invalid_plans_are_refused)
 {
   const std::vector<MeasurementSettings> senseless{
     { .tactors = {} },   { .tactors = { -1 } }, { .volts_max = 0 },   { .volts_max = 100 },
@@ -143,20 +141,5 @@ GST_START_TEST(invalid_plans_are_refused)
   for (const MeasurementSettings &settings : senseless)
     fail_if(plan_measurement(settings));
 }
-GST_END_TEST
 
-static Suite *
-tactor_calibration_suite(void)
-{
-  Suite *suite = suite_create("tactor_calibration");
-  TCase *tests = tcase_create("chairs");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, papers_motor_is_recovered);
-  tcase_add_test(tests, contradicted_steps_are_named_and_left_out);
-  tcase_add_test(tests, recordings_without_a_common_clock_are_aligned_by_their_sound);
-  tcase_add_test(tests, plans_keep_limits);
-  tcase_add_test(tests, invalid_plans_are_refused);
-  return suite;
-}
-
-GST_CHECK_MAIN(tactor_calibration)
+CHECK_MAIN(tactor_calibration)

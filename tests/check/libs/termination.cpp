@@ -22,8 +22,8 @@
 #include <utility>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/contains.h"
-#include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using tactor::TerminationGuard;
@@ -194,7 +194,7 @@ private:
 } // namespace
 
 /// Guards leave, then the process dies of the signal.
-GST_START_TEST(test_signals)
+CHECK_TEST(test_signals)
 {
   for (const int signal : kSignals) {
     Process process([](Process &self) {
@@ -207,11 +207,10 @@ GST_START_TEST(test_signals)
     fail_unless(process.died_of(signal));
   }
 }
-GST_END_TEST;
 
 /// Any other signals while a way out is under way, in any order and number, end nothing: the motors
 /// are stopped, then the process dies of the first one.
-GST_START_TEST(test_further_signals)
+CHECK_TEST(test_further_signals)
 {
   for (const int first : kSignals)
     for (const int second : kSignals) {
@@ -232,10 +231,9 @@ GST_START_TEST(test_further_signals)
       fail_unless(process.died_of(first));
     }
 }
-GST_END_TEST;
 
 /// abort() is a signal, too, but ends the process when its handler returns.
-GST_START_TEST(test_abort)
+CHECK_TEST(test_abort)
 {
   for (const bool on_a_thread : { false, true }) {
     Process process([on_a_thread](Process &self) {
@@ -248,10 +246,9 @@ GST_START_TEST(test_abort)
     fail_unless(process.died_of(SIGABRT));
   }
 }
-GST_END_TEST;
 
 /// The core is that of the thread which called abort(): that one gets the last signal.
-GST_START_TEST(test_core_of_abort)
+CHECK_TEST(test_core_of_abort)
 {
   Process process([](Process &self) {
     Process::be_traced();
@@ -262,10 +259,9 @@ GST_START_TEST(test_core_of_abort)
   assert_text(process.end(), "l");
   fail_unless(process.died_of(SIGABRT));
 }
-GST_END_TEST;
 
 /// gst-launch-1.0 -e drops its handler at the first Ctrl-C: from then on the signal is caught.
-GST_START_TEST(test_application_drops_its_handler)
+CHECK_TEST(test_application_drops_its_handler)
 {
   Process process([](Process &self) {
     static Process *process = nullptr;
@@ -293,11 +289,10 @@ GST_START_TEST(test_application_drops_its_handler)
   assert_text(process.end(), "l");
   fail_unless(process.died_of(SIGINT));
 }
-GST_END_TEST;
 
 /// An application that handles the signal when the motors have been stopped goes on, which is told,
 /// and is as well guarded as before.
-GST_START_TEST(test_application_handles_it_meanwhile)
+CHECK_TEST(test_application_handles_it_meanwhile)
 {
   Process process([](Process &self) {
     static Process *process = nullptr;
@@ -316,10 +311,9 @@ GST_START_TEST(test_application_handles_it_meanwhile)
   assert_text(process.end(), "l");
   fail_unless(process.died_of(SIGHUP));
 }
-GST_END_TEST;
 
 /// All guards leave at the same time: each begins before the first one is waited for.
-GST_START_TEST(test_all_guards_leave)
+CHECK_TEST(test_all_guards_leave)
 {
   Process process([](Process &self) {
     const auto say = [&self](char begin, char done) {
@@ -335,9 +329,8 @@ GST_START_TEST(test_all_guards_leave)
   process.send(SIGTERM);
   assert_text(process.end(), "12ab");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exit)
+CHECK_TEST(test_exit)
 {
   Process process([](Process &self) {
     const auto guard = self.guard();
@@ -345,11 +338,10 @@ GST_START_TEST(test_exit)
   });
   assert_text(process.end(), "l");
 }
-GST_END_TEST;
 
 /// A handler of the application, or its wish to ignore a signal, takes precedence, whether set
 /// before or after. The environment can disable all handling.
-GST_START_TEST(test_application_takes_precedence)
+CHECK_TEST(test_application_takes_precedence)
 {
   Process ignores([](Process &self) {
     std::signal(SIGTERM, SIG_IGN);
@@ -394,10 +386,9 @@ GST_START_TEST(test_application_takes_precedence)
   assert_text(refuses.end(), "");
   fail_unless(refuses.died_of(SIGTERM));
 }
-GST_END_TEST;
 
 /// Without guards the signal handlers are as before. The same holds after new ones.
-GST_START_TEST(test_handlers_are_restored)
+CHECK_TEST(test_handlers_are_restored)
 {
   Process process([](Process &self) {
     for (int i = 0; i < 3; i++) {
@@ -421,7 +412,6 @@ GST_START_TEST(test_handlers_are_restored)
   assert_text(process.end(), "");
   fail_unless(process.died_of(SIGTERM));
 }
-GST_END_TEST;
 
 namespace {
 
@@ -454,7 +444,7 @@ pthread_join(pthread_t thread, void **result)
 }
 
 /// Whatever the thread is about to do when the last guard goes.
-GST_START_TEST(test_handlers_are_restored_last)
+CHECK_TEST(test_handlers_are_restored_last)
 {
   Process process([](Process &self) {
     auto guard = self.guard();
@@ -472,10 +462,9 @@ GST_START_TEST(test_handlers_are_restored_last)
   });
   assert_text(process.end(), "d");
 }
-GST_END_TEST;
 
 /// A forked child has the handler but nothing to leave, and its parent plays on.
-GST_START_TEST(test_children)
+CHECK_LOOP_TEST(test_children, 0, kForksWithThreads)
 {
   Process process([](Process &self) {
     const auto guard = self.guard();
@@ -493,10 +482,9 @@ GST_START_TEST(test_children)
   process.send(SIGTERM);
   assert_text(process.end(), "l");
 }
-GST_END_TEST;
 
 /// A child with a guard of its own leaves only that, and its parent plays on.
-GST_START_TEST(test_children_with_boards)
+CHECK_LOOP_TEST(test_children_with_boards, 0, kForksWithThreads)
 {
   Process process([](Process &self) {
     const auto guard = self.guard();
@@ -521,10 +509,9 @@ GST_START_TEST(test_children_with_boards)
   process.send(SIGTERM);
   assert_text(process.end(), "l");
 }
-GST_END_TEST;
 
 /// A guard may take kPatience at most.
-GST_START_TEST(test_time_limit)
+CHECK_TEST(test_time_limit)
 {
   Process process([](Process &self) {
     const TerminationGuard guard([&, calls = 0](auto until) mutable {
@@ -541,31 +528,5 @@ GST_START_TEST(test_time_limit)
   assert_text(process.end(), "");
   fail_unless(process.died_of(SIGTERM));
 }
-GST_END_TEST;
 
-static Suite *
-termination_suite(void)
-{
-  Suite *suite = suite_create("termination");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_signals);
-  tcase_add_test(tests, test_further_signals);
-  tcase_add_test(tests, test_abort);
-  tcase_add_test(tests, test_core_of_abort);
-  tcase_add_test(tests, test_application_drops_its_handler);
-  tcase_add_test(tests, test_application_handles_it_meanwhile);
-  tcase_add_test(tests, test_all_guards_leave);
-  tcase_add_test(tests, test_exit);
-  tcase_add_test(tests, test_application_takes_precedence);
-  tcase_add_test(tests, test_handlers_are_restored);
-  tcase_add_test(tests, test_handlers_are_restored_last);
-  if (kForksWithThreads) {
-    tcase_add_test(tests, test_children);
-    tcase_add_test(tests, test_children_with_boards);
-  }
-  tcase_add_test(tests, test_time_limit);
-  return suite;
-}
-
-GST_CHECK_MAIN(termination)
+CHECK_MAIN(termination)

@@ -5,19 +5,20 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_picture)
+CHECK_TEST(test_picture)
 {
   const std::string text = write_text_cue(two_tactors().at(1s));
   ASSERT_TEXT(text, "  0   0   0\n  0  75  75\n  0   0   0");
   fail_unless(read_text_cue(text, std::nullopt) == two_tactors().at(1s));
   ASSERT_TEXT(write_text_cue(make_map(1, 2, { 1, 0.004F })), "100   0");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_all_grids_and_percents)
+CHECK_TEST(test_all_grids_and_percents)
 {
   for (int rows = 1; rows <= 64; rows += 9)
     for (int columns = 1; columns <= 64; columns += 7) {
@@ -30,9 +31,8 @@ GST_START_TEST(test_all_grids_and_percents)
       fail_unless(text.find_first_of("<>&\"") == std::string::npos);
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_white_space_and_percent_signs)
+CHECK_TEST(test_white_space_and_percent_signs)
 {
   const TactileMap map = make_map(2, 2, { 0, 1, 0.25F, 0.5F });
   for (const char *text : { "0 100\n25 50", "\n\n 0\t100 \r\n25  50\r\n\n", "0% 100%\n25% 50%",
@@ -42,9 +42,8 @@ GST_START_TEST(test_white_space_and_percent_signs)
   fail_unless(read_text_cue("0 100 25 50", Grid{ 2, 2 }) == map);
   fail_unless(read_text_cue("0\n100\n25\n50", Grid{ 2, 2 }) == map);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const auto read = [](std::string_view text, std::optional<Grid> grid = std::nullopt) {
     return read_text_cue(text, grid, 7);
@@ -67,9 +66,8 @@ GST_START_TEST(test_refused)
     many += "1\n";
   ASSERT_COMPLAINT(read(many), "line 4103", "largest grid");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_grid)
+CHECK_TEST(test_grid)
 {
   ASSERT_TEXT(write_grid({ 3, 4 }, 5), "grid=3x4 rate=5");
   ASSERT_TEXT(write_grid({ 1, 64 }, 0), "grid=1x64");
@@ -81,7 +79,6 @@ GST_START_TEST(test_grid)
                              "rate=nan", "rate=5Hz", "rate=" })
     ASSERT_COMPLAINT(read_grid(words, 2), "line 2", "expected");
 }
-GST_END_TEST;
 
 namespace {
 
@@ -96,7 +93,7 @@ take_all(CueBuilder &builder)
 
 } // namespace
 
-GST_START_TEST(test_cues_of_frames)
+CHECK_TEST(test_cues_of_frames)
 {
   const TactileMap a = make_map(1, 1, { 0.5F });
   const TactileMap b = make_map(1, 1, { 1 });
@@ -111,9 +108,8 @@ GST_START_TEST(test_cues_of_frames)
       = { { 0s, 1s, a }, { 1s, 2s, a }, { 2s, 3s, a }, { 3s, 3999ms, b }, { 4040ms, 4999ms, b } };
   fail_unless(take_all(builder) == expected);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_cues_that_overlap)
+CHECK_TEST(test_cues_that_overlap)
 {
   const TactileMap a = make_map(1, 1, { 0.5F });
   const TactileMap b = make_map(1, 1, { 1 });
@@ -130,22 +126,5 @@ GST_START_TEST(test_cues_that_overlap)
   builder.flush();
   fail_unless(take_all(builder).empty());
 }
-GST_END_TEST;
 
-static Suite *
-text_cue_suite(void)
-{
-  Suite *suite = suite_create("text_cue");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_picture);
-  tcase_add_test(tests, test_all_grids_and_percents);
-  tcase_add_test(tests, test_white_space_and_percent_signs);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_grid);
-  tcase_add_test(tests, test_cues_of_frames);
-  tcase_add_test(tests, test_cues_that_overlap);
-  return suite;
-}
-
-GST_CHECK_MAIN(text_cue)
+CHECK_MAIN(text_cue)

@@ -10,9 +10,11 @@
 #include "support/no_threads.h"
 #include "support/unwrap.h"
 
+#include "support/check_tests.h"
+
 using tactor::Thread;
 
-GST_START_TEST(test_joined)
+CHECK_TEST(test_joined)
 {
   bool done = false;
   Thread moved;
@@ -33,11 +35,10 @@ GST_START_TEST(test_joined)
   moved = Thread(); // this joins, too
   fail_unless(done);
 }
-GST_END_TEST;
 
 /// A thread may destroy its own object. It cannot join itself, so what it runs must live on until
 /// it is done.
-GST_START_TEST(test_ends_itself)
+CHECK_TEST(test_ends_itself)
 {
   std::promise<void> owned;
   std::promise<std::string> done;
@@ -51,10 +52,9 @@ GST_START_TEST(test_ends_itself)
   owned.set_value();
   ck_assert_uint_eq(done.get_future().get().size(), text.size());
 }
-GST_END_TEST;
 
 /// Without resources for another thread, nothing is thrown.
-GST_START_TEST(test_no_more_threads)
+CHECK_TEST(test_no_more_threads)
 {
   {
     const NoThreads none;
@@ -63,18 +63,5 @@ GST_START_TEST(test_no_more_threads)
   }
   unwrap(Thread::start([] {})).join();
 }
-GST_END_TEST;
 
-static Suite *
-thread_suite(void)
-{
-  Suite *suite = suite_create("thread");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_joined);
-  tcase_add_test(tests, test_ends_itself);
-  tcase_add_test(tests, test_no_more_threads);
-  return suite;
-}
-
-GST_CHECK_MAIN(thread)
+CHECK_MAIN(thread)

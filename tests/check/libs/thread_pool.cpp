@@ -15,11 +15,11 @@
 #include <sched.h>
 #include <sys/resource.h>
 
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using saliency::ThreadPool;
 
-GST_START_TEST(test_each_part_once)
+CHECK_TEST(test_each_part_once)
 {
   ThreadPool pool;
   for (const int parts : { 0, 1, 2, 7, 3, 1, 7 })
@@ -29,9 +29,8 @@ GST_START_TEST(test_each_part_once)
       fail_unless(std::ranges::all_of(done, [](int n) { return n == 1; }));
     }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_exceptions)
+CHECK_TEST(test_exceptions)
 {
   // Whichever part throws, the caller gets the exception, the other parts are done, and the pool
   // stays usable.
@@ -54,7 +53,6 @@ GST_START_TEST(test_exceptions)
     fail_unless(std::ranges::all_of(done, [](int n) { return n == 2; }));
   }
 }
-GST_END_TEST;
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 static std::atomic<int> thrown = 0;
@@ -70,7 +68,7 @@ __cxa_allocate_exception(std::size_t size) noexcept
   return original(size);
 }
 
-GST_START_TEST(test_no_more_threads)
+CHECK_TEST(test_no_more_threads)
 {
   // Without memory for a stack the caller does all parts, and nothing is thrown.
   rlimit before;
@@ -88,10 +86,9 @@ GST_START_TEST(test_no_more_threads)
   pool.run(5, [&done](int part) { done[static_cast<std::size_t>(part)]++; });
   fail_unless((done == std::array{ 3, 2, 2, 2, 2 }));
 }
-GST_END_TEST;
 #endif
 
-GST_START_TEST(test_idle_pools)
+CHECK_TEST(test_idle_pools)
 {
   for (int i = 0; i < 50; ++i) {
     ThreadPool unused;
@@ -99,9 +96,8 @@ GST_START_TEST(test_idle_pools)
     once.run(3, [](int) {});
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_teams)
+CHECK_TEST(test_teams)
 {
   // Parts are contiguous and about equally long, also with fewer items than threads.
   ThreadPool pool;
@@ -125,7 +121,6 @@ GST_START_TEST(test_teams)
       fail_unless(std::ranges::all_of(done, [](int n) { return n == 1; }));
     }
 }
-GST_END_TEST;
 
 /// Parts wait for each other, so each has a thread of its own. Then each does `work`.
 template <typename Work>
@@ -141,7 +136,7 @@ run_on_threads(ThreadPool &pool, int threads, const Work &work)
   });
 }
 
-GST_START_TEST(test_sleeping_threads_are_woken)
+CHECK_TEST(test_sleeping_threads_are_woken)
 {
   // Idle workers sleep and are woken, and a sleeping caller is woken by them.
   ThreadPool pool;
@@ -154,7 +149,6 @@ GST_START_TEST(test_sleeping_threads_are_woken)
     });
   }
 }
-GST_END_TEST;
 
 #ifdef __linux__
 static std::atomic<int> callers_processor;
@@ -194,7 +188,7 @@ are_on(ThreadPool &pool, int threads, const cpu_set_t &expected)
   return elsewhere == 0;
 }
 
-GST_START_TEST(test_off_the_callers_processor)
+CHECK_TEST(test_off_the_callers_processor)
 {
   const cpu_set_t all = own_processors();
   const auto others = [&all](int processor) {
@@ -230,27 +224,6 @@ GST_START_TEST(test_off_the_callers_processor)
     fail_unless(are_on(pool, 4, others(processor)));
   }
 }
-GST_END_TEST;
 #endif
 
-static Suite *
-thread_pool_suite(void)
-{
-  Suite *suite = suite_create("thread_pool");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_each_part_once);
-  tcase_add_test(tc, test_exceptions);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  tcase_add_test(tc, test_no_more_threads);
-#endif
-  tcase_add_test(tc, test_idle_pools);
-  tcase_add_test(tc, test_teams);
-  tcase_add_test(tc, test_sleeping_threads_are_woken);
-#ifdef __linux__
-  tcase_add_test(tc, test_off_the_callers_processor);
-#endif
-  return suite;
-}
-
-GST_CHECK_MAIN(thread_pool);
+CHECK_MAIN(thread_pool)

@@ -12,9 +12,9 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/check_tests.h"
 #include "support/contains.h"
 #include "support/unwrap.h"
-#include <gst/check/gstcheck.h>
 
 using namespace tactor;
 
@@ -63,7 +63,7 @@ private:
 
 /// A thread that has the mutex for ever, as while a file of a home folder cannot be read, does not
 /// keep a signal from ending the process.
-GST_START_TEST(test_mutex_is_kept)
+CHECK_TEST(test_mutex_is_kept)
 {
   const pid_t child = fork();
   if (child == 0) {
@@ -84,11 +84,10 @@ GST_START_TEST(test_mutex_is_kept)
   fail_unless(waitpid(child, &status, 0) == child);
   fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM, "status %d", status);
 }
-GST_END_TEST;
 
 /// The application handles the signal only once the device was released: write() says that nothing
 /// is felt any more.
-GST_START_TEST(test_application_goes_on)
+CHECK_TEST(test_application_goes_on)
 {
   std::signal(SIGUSR2, SIG_DFL);
   Device device;
@@ -104,17 +103,5 @@ GST_START_TEST(test_application_goes_on)
   unwrap(device.open({}));
   unwrap(device.write(std::vector<double>{ 1 }, Time(0)));
 }
-GST_END_TEST;
 
-static Suite *
-threaded_driver_suite(void)
-{
-  Suite *suite = suite_create("threaded_driver");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_mutex_is_kept);
-  tcase_add_test(tests, test_application_goes_on);
-  return suite;
-}
-
-GST_CHECK_MAIN(threaded_driver)
+CHECK_MAIN(threaded_driver)

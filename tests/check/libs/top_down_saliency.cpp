@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using saliency::Profile;
 using saliency::Region;
 using saliency::Saliency;
@@ -89,7 +91,7 @@ fail_unless_weighed(const cv::Mat &map, const Saliency &found, const cv::Mat1d &
 } // namespace
 
 /// Regions at any place and of any size, also beyond the frame, overlapping, of several types.
-GST_START_TEST(test_definition)
+CHECK_TEST(test_definition)
 {
   std::mt19937 generator(23);
   const auto pixel = [&](int from, int to) {
@@ -114,10 +116,9 @@ GST_START_TEST(test_definition)
     fail_unless(cv::norm(before, found.map, cv::NORM_INF) == 0, "the analyzer's map is its own");
   }
 }
-GST_END_TEST;
 
 /// Without regions the map is passed on unchanged.
-GST_START_TEST(test_no_regions)
+CHECK_TEST(test_no_regions)
 {
   const Saliency found = random_saliency({ 160, 120 }, 1);
   TopDownSaliency top_down(Profile::tuned());
@@ -132,10 +133,9 @@ GST_START_TEST(test_no_regions)
   const std::vector<Region> all{ { { 0, 0, 4294967295.0, 4294967295.0 }, 1, 0 } };
   fail_unless(cv::countNonZero(top_down.compute(found, { 160, 120 }, all, 2s)) == 0);
 }
-GST_END_TEST;
 
 /// How far and how long a region has effect follows from the profile.
-GST_START_TEST(test_reach_and_hold)
+CHECK_TEST(test_reach_and_hold)
 {
   const TopDownSaliency tuned(Profile::tuned());
   // An event is blurred by a Gaussian of .0375 of the width, that is 1.5 of 40 samples, to 2.5 σ.
@@ -150,11 +150,10 @@ GST_START_TEST(test_reach_and_hold)
   for (const Profile &profile : { Profile::tuned_spatial(), Profile::paper() })
     fail_unless(TopDownSaliency(profile, false).hold() == Time(0));
 }
-GST_END_TEST;
 
 /// Where windows count frames, regions stay for as many frames at any rate. Without temporal
 /// contrast they do not stay.
-GST_START_TEST(test_regions_stay_for_frames)
+CHECK_TEST(test_regions_stay_for_frames)
 {
   const cv::Size frame(320, 64);
   const Saliency found = random_saliency(frame, 11);
@@ -169,10 +168,9 @@ GST_START_TEST(test_regions_stay_for_frames)
       }
     }
 }
-GST_END_TEST;
 
 /// A region keeps its effect for as long as an event lasts, at any rate, also at its former places.
-GST_START_TEST(test_regions_stay)
+CHECK_TEST(test_regions_stay)
 {
   const cv::Size frame(320, 64);
   const Saliency found = random_saliency(frame, 9);
@@ -198,10 +196,9 @@ GST_START_TEST(test_regions_stay)
     }
   }
 }
-GST_END_TEST;
 
 /// A type's latest weight applies, also at former places.
-GST_START_TEST(test_newest_weight)
+CHECK_TEST(test_newest_weight)
 {
   const cv::Size frame(320, 64);
   const Saliency found = random_saliency(frame, 10);
@@ -214,9 +211,8 @@ GST_START_TEST(test_newest_weight)
   fail_unless_weighed(top_down.compute(found, frame, { &now, 1 }, 40ms), found,
                       factors(found, { expected, now }, top_down.reach(found.map.size())));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_resets)
+CHECK_TEST(test_resets)
 {
   const cv::Size frame(160, 120);
   const Saliency found = random_saliency(frame, 2);
@@ -237,10 +233,9 @@ GST_START_TEST(test_resets)
   top_down.compute(found, frame, all, 10s);
   fail_unless(top_down.compute(other, { 161, 120 }, {}, 10s).data == other.map.data);
 }
-GST_END_TEST;
 
 /// However many regions there are, the last ones count.
-GST_START_TEST(test_many_regions)
+CHECK_TEST(test_many_regions)
 {
   const cv::Size frame(160, 120);
   const Saliency found = random_saliency(frame, 4);
@@ -250,23 +245,5 @@ GST_START_TEST(test_many_regions)
   for (int i = 0; i < 5; ++i)
     fail_unless(cv::countNonZero(top_down.compute(found, frame, regions, i * 10ms)) == 0);
 }
-GST_END_TEST;
 
-static Suite *
-top_down_saliency_suite(void)
-{
-  Suite *suite = suite_create("top_down_saliency");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_definition);
-  tcase_add_test(tc, test_no_regions);
-  tcase_add_test(tc, test_reach_and_hold);
-  tcase_add_test(tc, test_regions_stay_for_frames);
-  tcase_add_test(tc, test_regions_stay);
-  tcase_add_test(tc, test_newest_weight);
-  tcase_add_test(tc, test_resets);
-  tcase_add_test(tc, test_many_regions);
-  return suite;
-}
-
-GST_CHECK_MAIN(top_down_saliency);
+CHECK_MAIN(top_down_saliency)

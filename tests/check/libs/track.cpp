@@ -3,19 +3,20 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_empty)
+CHECK_TEST(test_empty)
 {
   const Track track(2, 3);
   fail_unless(track.rows() == 2 && track.columns() == 3);
   fail_unless(track.end() == 0s && track.entries().size() == 1);
   fail_unless(is_silent(track.at(0s)) && is_silent(track.at(-1s)) && is_silent(track.at(1h)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_maps_hold_until_the_next)
+CHECK_TEST(test_maps_hold_until_the_next)
 {
   const Track track = two_tactors();
   fail_unless_equals_int(track.entries().size(), 2);
@@ -24,9 +25,8 @@ GST_START_TEST(test_maps_hold_until_the_next)
   fail_unless_equals_float(track.at(1400ms - 1ns).at(1, 2), 0.75);
   fail_unless(is_silent(track.at(1400ms)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_canonical_form)
+CHECK_TEST(test_canonical_form)
 {
   const TactileMap a = make_map(1, 2, { 0.5F, 0 });
   const TactileMap b = make_map(1, 2, { 0, 1 });
@@ -45,9 +45,8 @@ GST_START_TEST(test_canonical_form)
   same.set_end(0s);
   fail_unless(same == Track(1, 2));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   Track track(1, 1);
   const TactileMap map = make_map(1, 1, { 1 });
@@ -59,9 +58,8 @@ GST_START_TEST(test_refused)
   fail_if(track.set_end(Track::kMaxEnd + 1ns));
   fail_unless(track.append(Track::kMaxEnd, TactileMap(1, 1)));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_resolution)
+CHECK_TEST(test_resolution)
 {
   Track track(1, 1);
   track.append(1'999'999ns, make_map(1, 1, { 0.124F }));
@@ -75,20 +73,5 @@ GST_START_TEST(test_resolution)
   fail_unless(at_resolution(track, 1ms, 100) == expected);
   fail_unless(at_resolution(track, 1ns, 0) == track);
 }
-GST_END_TEST;
 
-static Suite *
-track_suite(void)
-{
-  Suite *suite = suite_create("track");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_empty);
-  tcase_add_test(tests, test_maps_hold_until_the_next);
-  tcase_add_test(tests, test_canonical_form);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_resolution);
-  return suite;
-}
-
-GST_CHECK_MAIN(track)
+CHECK_MAIN(track)

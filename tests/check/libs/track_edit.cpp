@@ -5,6 +5,8 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
@@ -45,7 +47,7 @@ assert_course(const Track &track, Time end, const std::function<TactileMap(Time)
 
 } // namespace
 
-GST_START_TEST(test_prune)
+CHECK_TEST(test_prune)
 {
   assert_course(prune_short(sample(), 101ms), 6s, [](Time time) {
     TactileMap map = sample().at(time);
@@ -64,9 +66,8 @@ GST_START_TEST(test_prune)
   });
   fail_unless(prune_weak(sample(), 0.2F) == sample());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_merge)
+CHECK_TEST(test_merge)
 {
   Track track(1, 1);
   track.append(0s, make_map(1, 1, { 0.5F }));
@@ -84,9 +85,8 @@ GST_START_TEST(test_merge)
   fail_unless(merge_equal(track, 0.05F) == expected);
   fail_unless(merge_equal(track, 0) == track);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_limit)
+CHECK_TEST(test_limit)
 {
   // At most one second, then half a second of rest. The second cell's event is not delayed.
   assert_course(*limit_events(sample(), { .max_duration = 1s, .refractory = 500ms }), 6s,
@@ -100,9 +100,8 @@ GST_START_TEST(test_limit)
                 });
   fail_unless(limit_events(sample(), {}) == sample());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_shift_and_clip)
+CHECK_TEST(test_shift_and_clip)
 {
   assert_course(*shift(sample(), 250ms), 6250ms,
                 [](Time time) { return sample().at(time - 250ms); });
@@ -118,9 +117,8 @@ GST_START_TEST(test_shift_and_clip)
   });
   assert_course(*silence(sample(), 0s, 10s), 6s, [](Time) { return TactileMap(1, 2); });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   assert_course(scale(sample(), 1.5F), 6s, [](Time time) {
     TactileMap map = sample().at(time);
@@ -140,9 +138,8 @@ GST_START_TEST(test_levels)
     return map;
   });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_resample)
+CHECK_TEST(test_resample)
 {
   // To a common multiple of both grids and back to the mean, cell by cell: a second way to compute
   // the area.
@@ -165,9 +162,8 @@ GST_START_TEST(test_resample)
   fail_unless_equals_float(coarse.at(3s).at(0, 0), 0.65);
   fail_unless(coarse.end() == 6s);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_mix)
+CHECK_TEST(test_mix)
 {
   const auto mixed
       = [](std::initializer_list<float> map, std::initializer_list<float> over, Mix mix) {
@@ -182,9 +178,8 @@ GST_START_TEST(test_mix)
   fail_unless(mixed({ 0.25F, 0.5F }, { 0, 0 }, Mix::gate) == make_map(1, 2, { 0, 0 }));
   fail_unless(mixed({ 0, 0 }, { 0.5F, 0.25F }, Mix::gate) == make_map(1, 2, { 0.5F, 0.25F }));
 }
-GST_END_TEST;
 
-GST_START_TEST(test_overlay_and_diff)
+CHECK_TEST(test_overlay_and_diff)
 {
   Track over(1, 2);
   over.append(2500ms, make_map(1, 2, { 0.1F, 1 }));
@@ -220,23 +215,5 @@ GST_START_TEST(test_overlay_and_diff)
   fail_if(shift(sample(), Track::kMaxEnd));
   fail_if(clip(sample(), -Track::kMaxEnd, 6s));
 }
-GST_END_TEST;
 
-static Suite *
-track_edit_suite(void)
-{
-  Suite *suite = suite_create("track_edit");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_prune);
-  tcase_add_test(tests, test_merge);
-  tcase_add_test(tests, test_limit);
-  tcase_add_test(tests, test_shift_and_clip);
-  tcase_add_test(tests, test_levels);
-  tcase_add_test(tests, test_resample);
-  tcase_add_test(tests, test_mix);
-  tcase_add_test(tests, test_overlay_and_diff);
-  return suite;
-}
-
-GST_CHECK_MAIN(track_edit)
+CHECK_MAIN(track_edit)

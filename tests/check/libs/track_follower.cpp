@@ -6,7 +6,7 @@
 #include "support/simulated_player.h"
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace std::chrono_literals;
 using namespace follow;
@@ -53,7 +53,7 @@ is_on(const tactile::Cue &cue)
 
 } // namespace
 
-GST_START_TEST(test_ahead)
+CHECK_TEST(test_ahead)
 {
   TrackFollower chair = follower();
   TrackFollower::Step step = chair.step(at(1900ms), kBegin, kAhead);
@@ -70,10 +70,9 @@ GST_START_TEST(test_ahead)
   ck_assert_uint_eq(step.cues.size(), 1);
   ck_assert(!is_on(step.cues[0]) && step.cues[0].begin == kBegin + 396ms);
 }
-GST_END_TEST;
 
 /// A level that lasts is told again each second, so that the chair knows that it still holds.
-GST_START_TEST(test_long_cues)
+CHECK_TEST(test_long_cues)
 {
   TrackFollower chair = follower(2);
   const TrackFollower::Step step = chair.step(at(1500ms), kBegin, 4s);
@@ -84,9 +83,8 @@ GST_START_TEST(test_long_cues)
   }
   ck_assert(step.cues[0].end == kBegin + 500ms); // the track's end
 }
-GST_END_TEST;
 
-GST_START_TEST(test_rate)
+CHECK_TEST(test_rate)
 {
   TrackFollower chair = follower();
   const TrackFollower::Step step = chair.step(at(1900ms, 2), kBegin, kAhead);
@@ -94,9 +92,8 @@ GST_START_TEST(test_rate)
   ck_assert(is_on(step.cues[1]) && step.cues[1].begin == kBegin + 50ms);
   ck_assert(step.cues[1].end == kBegin + 200ms);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_offset)
+CHECK_TEST(test_offset)
 {
   TrackFollower chair = follower();
   chair.set_delay(60ms); // the picture is later
@@ -108,10 +105,9 @@ GST_START_TEST(test_offset)
   step = early.step(at(0s), kBegin, 1s);
   ck_assert(step.cues.at(0).begin == kBegin + 500ms);
 }
-GST_END_TEST;
 
 /// Each silences, once, and what comes then is of where the film is.
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   TrackFollower chair = follower();
   ck_assert(!chair.step(std::nullopt, kBegin, kAhead).silence);
@@ -135,10 +131,9 @@ GST_START_TEST(test_silence)
   step = chair.step(at(2020ms, 1, 3), kBegin + 140ms, kAhead);
   ck_assert(step.silence && step.cues.empty());
 }
-GST_END_TEST;
 
 /// A track that becomes known while it plays.
-GST_START_TEST(test_draft)
+CHECK_TEST(test_draft)
 {
   const auto draft = std::make_shared<tactile::Draft>(1, 1);
   tactile::TactileMap on(1, 1);
@@ -158,10 +153,9 @@ GST_START_TEST(test_draft)
   ck_assert(is_on(step.cues[0]) && step.cues[0].begin == kBegin + 400ms);
   ck_assert(step.cues[0].end == kBegin + 1400ms);
 }
-GST_END_TEST;
 
 /// Each player counts its own stretches.
-GST_START_TEST(test_another_player)
+CHECK_TEST(test_another_player)
 {
   TrackFollower chair = follower();
   ck_assert(!chair.step(at(30s + 100ms), kBegin, kAhead).cues.empty());
@@ -169,10 +163,9 @@ GST_START_TEST(test_another_player)
   const TrackFollower::Step step = chair.step(at(2s), kBegin + 20ms, kAhead);
   ck_assert(step.silence && step.cues.at(0).begin == kBegin + 20ms);
 }
-GST_END_TEST;
 
 /// A main loop that hung: what is past is not felt, and not made up for.
-GST_START_TEST(test_hang)
+CHECK_TEST(test_hang)
 {
   TrackFollower chair = follower();
   ck_assert(!chair.step(at(2s), kBegin, kAhead).cues.empty());
@@ -181,10 +174,9 @@ GST_START_TEST(test_hang)
   ck_assert(is_on(step.cues[0]) && step.cues[0].begin == kBegin + 10s + 200ms);
   ck_assert(step.cues[0].end == kBegin + 10s + 300ms);
 }
-GST_END_TEST;
 
 /// Reports, estimate and cues together, with seeks that nobody tells, pauses and another rate.
-GST_START_TEST(test_whole)
+CHECK_TEST(test_whole)
 {
   WatchedFilm film(kBegin, 0s, 150e-6);
   film.seek(kBegin + 20s + 650ms, 47s)
@@ -222,25 +214,5 @@ GST_START_TEST(test_whole)
   }
   fail_unless(settled > 80, "%d of %zu pulses", settled, felt.size());
 }
-GST_END_TEST;
 
-static Suite *
-track_follower_suite(void)
-{
-  Suite *suite = suite_create("track_follower");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_ahead);
-  tcase_add_test(tcase, test_long_cues);
-  tcase_add_test(tcase, test_rate);
-  tcase_add_test(tcase, test_offset);
-  tcase_add_test(tcase, test_silence);
-  tcase_add_test(tcase, test_draft);
-  tcase_add_test(tcase, test_another_player);
-  tcase_add_test(tcase, test_hang);
-  tcase_add_test(tcase, test_whole);
-  return suite;
-}
-
-GST_CHECK_MAIN(track_follower);
+CHECK_MAIN(track_follower)

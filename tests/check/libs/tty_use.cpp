@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using namespace tactor;
 using Kind = LineUse::Kind;
@@ -104,7 +104,7 @@ private:
 
 } // namespace
 
-GST_START_TEST(test_free)
+CHECK_TEST(test_free)
 {
   const Machine machine;
   fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
@@ -117,11 +117,10 @@ GST_START_TEST(test_free)
   fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
   fail_unless(tty_use("1-1", 0, { .sys = "/nowhere", .proc = "/nowhere" }) == LineUse{});
 }
-GST_END_TEST;
 
 /// The error names the process. Files are compared by device number, whatever the node is called.
 /// Only the line of this device counts.
-GST_START_TEST(test_open)
+CHECK_TEST(test_open)
 {
   for (const bool acm : { true, false }) {
     const Machine machine;
@@ -142,10 +141,9 @@ GST_START_TEST(test_open)
     fail_unless(tty_use("1-1", 1, machine.roots) == LineUse{});
   }
 }
-GST_END_TEST;
 
 /// A process of another user: its open files are hidden, but its module's reference count is not.
-GST_START_TEST(test_open_by_another_user)
+CHECK_TEST(test_open_by_another_user)
 {
   for (const bool acm : { true, false }) {
     const Machine machine;
@@ -168,10 +166,9 @@ GST_START_TEST(test_open_by_another_user)
     fail_unless(tty_use("1-1", 0, machine.roots).kind == Kind::certain);
   }
 }
-GST_END_TEST;
 
 /// UUCP-style lock files count while their process lives.
-GST_START_TEST(test_locks)
+CHECK_TEST(test_locks)
 {
   const Machine machine;
   const Pty pty;
@@ -189,10 +186,9 @@ GST_START_TEST(test_locks)
     fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{}, "%s", nonsense);
   }
 }
-GST_END_TEST;
 
 /// Processes of the real machine: this one opens a terminal and closes it.
-GST_START_TEST(test_processes_of_this_machine)
+CHECK_TEST(test_processes_of_this_machine)
 {
   Machine machine;
   const Pty pty;
@@ -208,11 +204,10 @@ GST_START_TEST(test_processes_of_this_machine)
               use.by.c_str());
   fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
 }
-GST_END_TEST;
 
 /// As the kernel does it: an interface has a link to its driver or none. Nothing is known of a
 /// device that is gone.
-GST_START_TEST(test_without_driver)
+CHECK_TEST(test_without_driver)
 {
   const Machine machine;
   const auto devices = machine.roots.sys / "bus/usb/devices";
@@ -226,21 +221,5 @@ GST_START_TEST(test_without_driver)
   fail_if(has_no_driver("1-1", 2, machine.roots));
   fail_if(has_no_driver("1-2", 0, machine.roots));
 }
-GST_END_TEST;
 
-static Suite *
-tty_use_suite(void)
-{
-  Suite *suite = suite_create("tty_use");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_free);
-  tcase_add_test(tests, test_open);
-  tcase_add_test(tests, test_open_by_another_user);
-  tcase_add_test(tests, test_locks);
-  tcase_add_test(tests, test_processes_of_this_machine);
-  tcase_add_test(tests, test_without_driver);
-  return suite;
-}
-
-GST_CHECK_MAIN(tty_use)
+CHECK_MAIN(tty_use)

@@ -17,7 +17,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using tactor::UsbId;
 
@@ -168,7 +168,7 @@ numbers(const std::vector<Rule> &rules)
 } // namespace
 
 /// Access is granted to the boards that the library uses, and to nothing else.
-GST_START_TEST(test_boards)
+CHECK_TEST(test_boards)
 {
   const std::vector<Rule> rules = read_rules();
   const std::set<std::string> given{ "TAG+=uaccess", "ENV{ID_MM_DEVICE_IGNORE}=1",
@@ -193,10 +193,9 @@ GST_START_TEST(test_boards)
     }
   fail_unless(boards > 50);
 }
-GST_END_TEST;
 
 /// Only to the device itself, not to its interfaces or terminals, and not when it is removed.
-GST_START_TEST(test_events)
+CHECK_TEST(test_events)
 {
   const std::vector<Rule> rules = read_rules();
   const Device mega = usb_device(0x2341, 0x0042, kAcmInterfaces);
@@ -211,28 +210,14 @@ GST_START_TEST(test_events)
   other["SUBSYSTEM"] = "tty";
   fail_unless(assignments(rules, other).empty());
 }
-GST_END_TEST;
 
 /// 73-seat-late.rules acts on the tag, so this file must precede it. It uses ID_USB_INTERFACES,
 /// which 50-udev-default.rules sets.
-GST_START_TEST(test_order)
+CHECK_TEST(test_order)
 {
   const std::string name = rules_file().filename();
   fail_unless(name > "50-udev-default.rules" && name < "73-seat-late.rules");
   fail_unless(name.ends_with(".rules"));
 }
-GST_END_TEST;
 
-static Suite *
-udev_rules_suite(void)
-{
-  Suite *suite = suite_create("udev_rules");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_boards);
-  tcase_add_test(tests, test_events);
-  tcase_add_test(tests, test_order);
-  return suite;
-}
-
-GST_CHECK_MAIN(udev_rules)
+CHECK_MAIN(udev_rules)

@@ -16,6 +16,8 @@
 #include <set>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using tactile::AdaptiveViewport;
 using tactile::Gain;
 using tactile::MappingSettings;
@@ -74,7 +76,7 @@ overlap(const Span &span, int sample)
 
 /// By area: each sample counts in the cell that contains it or is nearest, with the weight of its
 /// area in that cell.
-GST_START_TEST(test_mapping_by_area)
+CHECK_TEST(test_mapping_by_area)
 {
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -114,10 +116,9 @@ GST_START_TEST(test_mapping_by_area)
       }
   }
 }
-GST_END_TEST;
 
 /// By a Gaussian: a spot outside the viewport counts as one on its border.
-GST_START_TEST(test_mapping_by_gaussian)
+CHECK_TEST(test_mapping_by_gaussian)
 {
   MappingSettings settings = kPooling;
   settings.prefilter_sigma = 1.0 / 3;
@@ -140,10 +141,9 @@ GST_START_TEST(test_mapping_by_gaussian)
                        0.0006);
     }
 }
-GST_END_TEST;
 
 /// The weight of the center is that of the picture's, not of the viewport's.
-GST_START_TEST(test_center_weight)
+CHECK_TEST(test_center_weight)
 {
   const Viewport viewport{ .left = 0.4, .top = 0, .width = 0.6, .height = 0.5 };
   MappingSettings settings{ .floor = 0, .threshold = 0, .gain = Gain::none };
@@ -157,10 +157,9 @@ GST_START_TEST(test_center_weight)
     fail_unless_near(out.at(0, c) / even.at(0, c),
                      0.3 + 0.7 * std::exp(-(0.04 * c * c + 0.0625) / 0.125), 1e-6);
 }
-GST_END_TEST;
 
 /// A viewport of the whole picture gives bit-identical maps to none.
-GST_START_TEST(test_whole_picture)
+CHECK_TEST(test_whole_picture)
 {
   std::mt19937 generator(5);
   for (const double sigma : { 0.0, 1.0 / 3 })
@@ -177,11 +176,10 @@ GST_START_TEST(test_whole_picture)
       fail_unless(whole == part);
     }
 }
-GST_END_TEST;
 
 /// A small object moves within the middle third of a wide shot. With the whole picture only the
 /// middle column plays. With the adaptive viewport the left, middle and right ones do.
-GST_START_TEST(test_small_events_in_the_middle)
+CHECK_TEST(test_small_events_in_the_middle)
 {
   AdaptiveViewport adaptive;
   std::set<std::size_t> fixed_cells;
@@ -199,11 +197,10 @@ GST_START_TEST(test_small_events_in_the_middle)
   fail_unless((last_cells == std::set<std::size_t>{ 3, 4, 5 }));
   fail_unless(first_cells.contains(4));
 }
-GST_END_TEST;
 
 /// Events all over the picture keep their cells. They come at each cell's center in turn, in any
 /// order.
-GST_START_TEST(test_events_everywhere)
+CHECK_TEST(test_events_everywhere)
 {
   std::mt19937 generator(11);
   AdaptiveViewport adaptive;
@@ -224,11 +221,10 @@ GST_START_TEST(test_events_everywhere)
   }
   ck_assert_int_eq(same, frames);
 }
-GST_END_TEST;
 
 /// The viewport for a still spot by its definition: weight w = 1 − exp(−t / 8 s) for the past, 0.2
 /// for the whole picture, mean ± 2 σ.
-GST_START_TEST(test_closed_form)
+CHECK_TEST(test_closed_form)
 {
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 30000, 1001 }, { 60, 1 } })
     for (const double place : { 0.3, 0.5 }) {
@@ -254,11 +250,10 @@ GST_START_TEST(test_closed_form)
         fail_unless(viewport.width > 0.47 && viewport.width < 0.48);
     }
 }
-GST_END_TEST;
 
 /// For any film the viewport stays within the picture and is at least 0.47 wide. No border moves
 /// faster than a quarter of the picture a second.
-GST_START_TEST(test_bounds)
+CHECK_TEST(test_bounds)
 {
   std::mt19937 generator(17);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -284,10 +279,9 @@ GST_START_TEST(test_bounds)
     last = now;
   }
 }
-GST_END_TEST;
 
 /// The viewport is the same at any frame rate, also at a variable one.
-GST_START_TEST(test_rates_agree)
+CHECK_TEST(test_rates_agree)
 {
   const auto film = [](Time time) {
     const double t = std::chrono::duration<double>(time).count();
@@ -309,11 +303,10 @@ GST_START_TEST(test_rates_agree)
     fail_unless_same(after([&](int i) { return rate.frame(i); }), reference, 0.01);
   fail_unless_same(after([](int i) { return Time(i * 30ms + i % 3 * 9ms); }), reference, 0.01);
 }
-GST_END_TEST;
 
 /// After three seconds of silence the viewport returns to the whole picture at its limited speed.
 /// Values up to the floor count as silence.
-GST_START_TEST(test_silence)
+CHECK_TEST(test_silence)
 {
   const Map spot = Map(60, 60).spot(0.5, 0.5, 2, 1);
   const Map noise = Map(60, 60).spot(0.5, 0.5, 2, 0.5F);
@@ -335,9 +328,8 @@ GST_START_TEST(test_silence)
   viewport = adaptive.follow(spot.view(), kFloor, kThreshold, time);
   fail_unless(viewport.width > 0.98);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_resets)
+CHECK_TEST(test_resets)
 {
   const Map spot = Map(60, 60).spot(0.5, 0.5, 2, 1);
   AdaptiveViewport adaptive;
@@ -355,10 +347,9 @@ GST_START_TEST(test_resets)
   adaptive.reset();
   fail_unless(adaptive.follow(spot.view(), kFloor, kThreshold, 31s) == Viewport());
 }
-GST_END_TEST;
 
 /// Empty maps, maps without finite values, and times near the ends of their range.
-GST_START_TEST(test_bad_input)
+CHECK_TEST(test_bad_input)
 {
   AdaptiveViewport adaptive;
   fail_unless(adaptive.follow({}, 0, 0, 0s) == Viewport());
@@ -371,27 +362,5 @@ GST_START_TEST(test_bad_input)
     viewport = adaptive.follow(map.view(), 0, 1, time); // the maximum itself counts
   fail_unless(viewport.width > 0.5 && viewport.width < 1);
 }
-GST_END_TEST;
 
-static Suite *
-viewport_suite(void)
-{
-  Suite *suite = suite_create("viewport");
-  TCase *tc = tcase_create("general");
-  suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_mapping_by_area);
-  tcase_add_test(tc, test_mapping_by_gaussian);
-  tcase_add_test(tc, test_center_weight);
-  tcase_add_test(tc, test_whole_picture);
-  tcase_add_test(tc, test_small_events_in_the_middle);
-  tcase_add_test(tc, test_events_everywhere);
-  tcase_add_test(tc, test_closed_form);
-  tcase_add_test(tc, test_bounds);
-  tcase_add_test(tc, test_rates_agree);
-  tcase_add_test(tc, test_silence);
-  tcase_add_test(tc, test_resets);
-  tcase_add_test(tc, test_bad_input);
-  return suite;
-}
-
-GST_CHECK_MAIN(viewport);
+CHECK_MAIN(viewport)

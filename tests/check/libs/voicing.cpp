@@ -6,7 +6,7 @@
 #include <random>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include <gst/check/gstcheck.h>
+#include "support/check_tests.h"
 
 using sound::Voicing;
 
@@ -52,7 +52,7 @@ buzz(double hz, int i)
 } // namespace
 
 // Of any pitch that voices have, as loud as a whisper, too.
-GST_START_TEST(test_pitches)
+CHECK_TEST(test_pitches)
 {
   for (const double hz : { 71.0, 90.0, 123.4, 200.0, 314.0, 399.0 })
     for (const double factor : { 1.0, 0.05 }) {
@@ -62,10 +62,9 @@ GST_START_TEST(test_pitches)
       fail_unless(range.most <= 1);
     }
 }
-GST_END_TEST;
 
 // Noise has no period, two notes that agree in none have little of one, silence has nothing.
-GST_START_TEST(test_others)
+CHECK_TEST(test_others)
 {
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0, 0.1);
@@ -79,17 +78,5 @@ GST_START_TEST(test_others)
   voicing.reset();
   fail_unless(voicing.take() < 1e-9);
 }
-GST_END_TEST;
 
-static Suite *
-voicing_suite(void)
-{
-  Suite *suite = suite_create("voicing");
-  TCase *cases = tcase_create("general");
-  suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_pitches);
-  tcase_add_test(cases, test_others);
-  return suite;
-}
-
-GST_CHECK_MAIN(voicing);
+CHECK_MAIN(voicing)

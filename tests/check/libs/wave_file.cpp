@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+#include "support/check_tests.h"
+
 using namespace synth;
 
 namespace {
@@ -63,16 +65,15 @@ refusal(const Data &data)
 
 } // namespace
 
-GST_START_TEST(test_integers)
+CHECK_TEST(test_integers)
 {
   const auto wave
       = unwrap(parse_wave_file(wave_file(1, 1, 8000, 16, { 0, 0x4000, 0x8000, 0xc000 })));
   fail_unless((wave->samples == std::vector<float>{ 0, 0.5F, -1, -0.5F, 0 }));
   fail_unless_near(wave->frequency, 2000, 1e-9);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_floats)
+CHECK_TEST(test_floats)
 {
   // 0.25, 2 and no number
   const auto wave
@@ -80,9 +81,8 @@ GST_START_TEST(test_floats)
   fail_unless((wave->samples == std::vector<float>{ 0.25F, 1, 0, 0.25F }));
   fail_unless_near(wave->frequency, 16000, 1e-9);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const std::vector<std::uint32_t> few = { 1, 2, 3, 4 };
   assert_contains(refusal({}), { "expected a RIFF WAVE file" });
@@ -97,9 +97,8 @@ GST_START_TEST(test_refused)
   no_sound.resize(no_sound.size() - 16);
   assert_contains(refusal(no_sound), { "'fmt ' and 'data'" });
 }
-GST_END_TEST;
 
-GST_START_TEST(test_hostile)
+CHECK_TEST(test_hostile)
 {
   // Cut off anywhere, and with any byte changed: an error or a wave, and no sample beyond 1.
   const Data whole = wave_file(1, 1, 8000, 16, { 0, 0x4000, 0x8000, 0xc000 });
@@ -115,9 +114,8 @@ GST_START_TEST(test_hostile)
         fail_unless(sample >= -1 && sample <= 1);
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_files)
+CHECK_TEST(test_files)
 {
   assert_contains(refusal_of(read_wave_file("/nonexistent/loop.wav")),
                   { "cannot read the loop '/nonexistent/loop.wav': No such file" });
@@ -125,21 +123,5 @@ GST_START_TEST(test_files)
                   { "cannot read the loop '/': expected a regular file, got a folder" });
   assert_contains(refusal_of(read_wave_file("/dev/zero")), { "got a device" });
 }
-GST_END_TEST;
 
-static Suite *
-wave_file_suite(void)
-{
-  Suite *suite = suite_create("wave_file");
-  TCase *tcase = tcase_create("general");
-
-  suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_integers);
-  tcase_add_test(tcase, test_floats);
-  tcase_add_test(tcase, test_refused);
-  tcase_add_test(tcase, test_hostile);
-  tcase_add_test(tcase, test_files);
-  return suite;
-}
-
-GST_CHECK_MAIN(wave_file);
+CHECK_MAIN(wave_file)

@@ -3,10 +3,12 @@
 
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
-GST_START_TEST(test_text)
+CHECK_TEST(test_text)
 {
   Track track = two_tactors(4s);
   track.set_rate(5);
@@ -29,9 +31,8 @@ GST_START_TEST(test_text)
                                    "  0   0   0\n"
                                    "  0   0   0\n");
 }
-GST_END_TEST;
 
-GST_START_TEST(test_round_trip)
+CHECK_TEST(test_round_trip)
 {
   for (unsigned seed = 0; seed < 200; seed++) {
     const Track track = random_track(seed, kTextTick, kTextSteps);
@@ -43,9 +44,8 @@ GST_START_TEST(test_round_trip)
   const Track empty(4, 6);
   fail_unless(read_webvtt(write_webvtt(empty)) == empty);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_text_from_editors)
+CHECK_TEST(test_text_from_editors)
 {
   const Track expected = two_tactors();
   const char *files[] = {
@@ -62,9 +62,8 @@ GST_START_TEST(test_text_from_editors)
   for (const char *file : files)
     fail_unless(read_webvtt(file) == expected, "%s", file);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_deleted_cue_is_silence)
+CHECK_TEST(test_deleted_cue_is_silence)
 {
   std::string text = write_webvtt(two_tactors());
   const std::size_t cue = text.find("00:00:01.000 --> 00:00:01.400");
@@ -73,9 +72,8 @@ GST_START_TEST(test_deleted_cue_is_silence)
   fail_unless_equals_int(pruned.entries().size(), 1);
   fail_unless(pruned.end() == 1s);
 }
-GST_END_TEST;
 
-GST_START_TEST(test_refused)
+CHECK_TEST(test_refused)
 {
   const std::string head = "WEBVTT\n\n";
   const std::string cue = "00:01.000 --> 00:02.000\n0 0\n\n";
@@ -104,10 +102,9 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read("00:02.000 --> 00:03.000\nHello\n"), "line 4", "'Hello'");
   ASSERT_COMPLAINT(read("00:01.000 --> 00:02.000\n\n"), "line 4", "nothing");
 }
-GST_END_TEST;
 
 /// A cue of words is not felt, whatever it overlaps. It says nothing about the track's length.
-GST_START_TEST(test_remarks)
+CHECK_TEST(test_remarks)
 {
   const std::string head = "WEBVTT\n\nNOTE tactile grid=1x2\n\n";
   const std::string cue = "00:01.000 --> 00:02.000\n0 75\n\n";
@@ -115,9 +112,8 @@ GST_START_TEST(test_remarks)
   for (const std::string &text : { remark + cue, cue + remark, cue + remark + remark })
     fail_unless(read_webvtt(head + text) == *read_webvtt(head + cue), "%s", text.c_str());
 }
-GST_END_TEST;
 
-GST_START_TEST(test_meant_as_track)
+CHECK_TEST(test_meant_as_track)
 {
   const std::string faulty = "\n00:01.000 --> 00:02.000\n0 75\n\n00:01.000 --> 00:02.000\n0 75\n";
   fail_unless(is_meant_as_track("WEBVTT\n" + faulty));
@@ -128,22 +124,5 @@ GST_START_TEST(test_meant_as_track)
   fail_if(is_meant_as_track("WEBVTT\n\nNOTE tactical errors\n"));
   fail_if(is_meant_as_track(""));
 }
-GST_END_TEST;
 
-static Suite *
-webvtt_suite(void)
-{
-  Suite *suite = suite_create("webvtt");
-  TCase *tests = tcase_create("general");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_text);
-  tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_text_from_editors);
-  tcase_add_test(tests, test_deleted_cue_is_silence);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_remarks);
-  tcase_add_test(tests, test_meant_as_track);
-  return suite;
-}
-
-GST_CHECK_MAIN(webvtt)
+CHECK_MAIN(webvtt)

@@ -11,6 +11,8 @@
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "track_samples.h"
 
+#include "support/check_tests.h"
+
 using namespace std::chrono_literals;
 using namespace tactile;
 
@@ -69,7 +71,7 @@ replaced(const std::string &text, const std::string &what, const std::string &by
 
 } // namespace
 
-GST_START_TEST(test_unchanged)
+CHECK_TEST(test_unchanged)
 {
   const std::string files[] = {
     kNotes,
@@ -82,10 +84,9 @@ GST_START_TEST(test_unchanged)
   for (const std::string &file : files)
     assert_text(text_of(file).with(*read_webvtt(file), 0s), file);
 }
-GST_END_TEST;
 
 /// Times move, and nothing else changes.
-GST_START_TEST(test_shift)
+CHECK_TEST(test_shift)
 {
   std::string expected
       = replaced(kNotes, "00:00:01.000 --> 00:00:01.400", "00:00:02.500 --> 00:00:02.900");
@@ -97,10 +98,9 @@ GST_START_TEST(test_shift)
   assert_text(text_of(expected).with(*shift(*shift(track, 1500ms), -1500ms), -1500ms),
               replaced(kNotes, "00:02.000 -->\t00:02.400", "00:00:02.000 --> 00:00:02.400"));
 }
-GST_END_TEST;
 
 /// What is moved to before 0 is gone: cues with their notes. Blocks that are none stay.
-GST_START_TEST(test_shift_before_the_beginning)
+CHECK_TEST(test_shift_before_the_beginning)
 {
   const std::string moved = text_of(kNotes).with(*shift(*read_webvtt(kNotes), -2200ms), -2200ms);
   fail_unless(read_webvtt(moved) == *shift(*read_webvtt(kNotes), -2200ms), "%s", moved.c_str());
@@ -112,10 +112,9 @@ GST_START_TEST(test_shift_before_the_beginning)
          "00:00:00.000 --> 00:00:00.800\nwhat an impact!\n", "NOTE the end" })
     fail_unless(moved.find(left) != std::string::npos, "no %s in %s", left, moved.c_str());
 }
-GST_END_TEST;
 
 /// Only the pictures of cues that change.
-GST_START_TEST(test_levels)
+CHECK_TEST(test_levels)
 {
   const Track track = *read_webvtt(kNotes);
   assert_text(text_of(kNotes).with(mask(track, { 4 }), 0s),
@@ -125,10 +124,9 @@ GST_START_TEST(test_levels)
               replaced(replaced(kNotes, "  0  75  75\n", "  0  60  60\n"), "0 0 0 0 0 0\n50% 0 0\n",
                        "  0   0   0\n  0   0   0\n 40   0   0\n"));
 }
-GST_END_TEST;
 
 /// A part of a cue keeps what the cue had. A silent one stays for its note, another goes.
-GST_START_TEST(test_parts)
+CHECK_TEST(test_parts)
 {
   const Track track = *read_webvtt(kNotes);
   assert_text(text_of(kNotes).with(*silence(track, 900ms, 1100ms), 0s),
@@ -141,10 +139,9 @@ GST_START_TEST(test_parts)
   fail_unless(without.find("NOTE the storm begins here\n\nSTYLE\n::cue { color: lime }\n")
               != std::string::npos);
 }
-GST_END_TEST;
 
 /// The note says the new grid; its other words stay. A remark stays, too.
-GST_START_TEST(test_other_grid)
+CHECK_TEST(test_other_grid)
 {
   const Track track = *resample(*read_webvtt(kNotes), 2, 1);
   const std::string text = text_of(kNotes).with(track, 0s);
@@ -154,10 +151,9 @@ GST_START_TEST(test_other_grid)
          "NOTE review: accepted", "::cue", "id:a", "what an impact!", "the end" })
     fail_unless(text.find(left) != std::string::npos, "no %s in %s", left, text.c_str());
 }
-GST_END_TEST;
 
 /// Whatever a track becomes, the file that is written is read as that.
-GST_START_TEST(test_any_track)
+CHECK_TEST(test_any_track)
 {
   for (unsigned seed = 0; seed < 100; seed++) {
     const Track track = random_track(seed, kTextTick, kTextSteps);
@@ -182,9 +178,8 @@ GST_START_TEST(test_any_track)
     }
   }
 }
-GST_END_TEST;
 
-GST_START_TEST(test_utf16)
+CHECK_TEST(test_utf16)
 {
   // A G clef and an umlaut; expected bytes by iconv.
   const std::string utf8 = "W\xc3\xa4\xf0\x9d\x84\x9e\n";
@@ -198,34 +193,14 @@ GST_START_TEST(test_utf16)
   for (const std::string stays : { "", "W", "WEBVTT", "\xef\xbb\xbfWEBVTT", "\xff" })
     assert_text(as_utf8(stays), stays);
 }
-GST_END_TEST;
 
 /// A silent cue may have a frequency, which nobody feels.
-GST_START_TEST(test_silent_cue_with_a_frequency)
+CHECK_TEST(test_silent_cue_with_a_frequency)
 {
   const std::string silent = "WEBVTT\n\n00:00.000 --> 00:01.000\n0\n50 Hz\n";
   const std::string file = silent + "\n00:01.000 --> 00:02.000\n80\n";
   assert_text(text_of(file).with(scale(*read_webvtt(file), 0.5F), 0s),
               silent + "\n00:01.000 --> 00:02.000\n 40\n");
 }
-GST_END_TEST;
 
-static Suite *
-webvtt_text_suite()
-{
-  Suite *suite = suite_create("webvtt_text");
-  TCase *tests = tcase_create("all");
-  suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_silent_cue_with_a_frequency);
-  tcase_add_test(tests, test_unchanged);
-  tcase_add_test(tests, test_shift);
-  tcase_add_test(tests, test_shift_before_the_beginning);
-  tcase_add_test(tests, test_levels);
-  tcase_add_test(tests, test_parts);
-  tcase_add_test(tests, test_other_grid);
-  tcase_add_test(tests, test_any_track);
-  tcase_add_test(tests, test_utf16);
-  return suite;
-}
-
-GST_CHECK_MAIN(webvtt_text)
+CHECK_MAIN(webvtt_text)
