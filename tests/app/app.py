@@ -8,6 +8,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 
 from app_window import App, Atspi, settings, start, wait_until, work
 
@@ -162,7 +163,29 @@ def speaks_german():
     app.quit()
 
 
-TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german)}
+def feels_a_vest():
+    """From the start of the window to a film that is felt on a vest: three decisions, no terminal. Prints the time."""
+    server = start(sys.executable, os.environ["SERVER"], "bhaptics", "port=15881", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert server.stdout.readline().split()[-1] == "15881"
+    begin = time.monotonic()
+    app = App()
+    app.find("check box", "Vest of bHaptics, back")
+    tab_to(app, "check box", "The board")
+    for _ in range(10):
+        app.key("Down")
+        if app.find_now("check box", "Vest of bHaptics, back", [Atspi.StateType.FOCUSED]):
+            break
+    app.key("space")  # 1: the device
+    wait_until("the device", lambda: "device=vest-back" in settings())
+    app.key("ctrl+2")  # 2: the page of films
+    app.click("push button", "Play an example")  # 3
+    while not (line := server.stdout.readline()).startswith("motors") or "=" not in line:
+        assert line, "the server has ended"
+    print(f"felt after {time.monotonic() - begin:.0f} s and 3 decisions")
+    app.quit()
+
+
+TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german, feels_a_vest)}
 for chosen in sys.argv[1:] or TESTS:
     CHAIR.unlink(missing_ok=True)
     TESTS[chosen]()
