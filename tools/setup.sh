@@ -23,11 +23,11 @@ set -euo pipefail
 declare -A packages=(
   [build]="g++ meson ninja-build pkgconf libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
            libopencv-imgproc-dev libopencv-objdetect-dev libhwy-dev libusb-1.0-0-dev libsdl2-dev libsoup-3.0-dev libx11-dev libxrandr-dev gobject-introspection libgirepository1.0-dev
-           libexpected-dev libjson-glib-dev libxml2-dev libcairo2-dev help2man"
+           libexpected-dev libjson-glib-dev libxml2-dev libcairo2-dev help2man libgtk-4-dev gettext"
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio opencv-data"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 gir1.2-gst-rtsp-server-1.0 xvfb gstreamer1.0-opencv
-          umockdev libumockdev-dev libx11-6 gst123 totem parole clapper gir1.2-gtk-4.0 libgtk-4-media-gstreamer gir1.2-webkit2-4.1 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
+          umockdev libumockdev-dev libx11-6 gst123 totem parole clapper gir1.2-gtk-4.0 gir1.2-atspi-2.0 at-spi2-core desktop-file-utils libgtk-4-media-gstreamer gir1.2-webkit2-4.1 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
           parallel slurmctld slurmd slurm-client munge python3-websockets python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber mpv vlc-bin vlc-plugin-base vlc-plugin-video-output kodi kodi-bin python3-dbusmock systemd python3-opencv python3-scipy python3-numpy
           clang-format-14 codespell appstream git mandoc libaubio-dev libchromaprint-tools espeak-ng flite asterisk-core-sounds-en-g722 asterisk-core-sounds-es-g722 asterisk-prompt-es-co asterisk-prompt-fr-armelle
           asterisk-prompt-it-menardi-wav pocketsphinx-testdata alsa-utils chromium chromium-driver python3-selenium x11-utils x11-xserver-utils xdotool poppler-utils"
@@ -56,7 +56,7 @@ renamed='
 # Fedora's names for what a film needs.
 declare -A fedora=(
   [build]="gcc-c++ meson ninja-build pkgconf-pkg-config gstreamer1-devel gstreamer1-plugins-base-devel opencv-devel highway-devel libusb1-devel
-           SDL2-devel libsoup3-devel libX11-devel libXrandr-devel gobject-introspection-devel expected-devel json-glib-devel libxml2-devel cairo-devel help2man"
+           SDL2-devel libsoup3-devel libX11-devel libXrandr-devel gobject-introspection-devel expected-devel json-glib-devel libxml2-devel cairo-devel help2man gtk4-devel gettext"
   [play]="gstreamer1 gstreamer1-plugins-base gstreamer1-plugins-good gstreamer1-plugins-ugly-free gstreamer1-plugin-libav opencv-data"
   [players]="gstreamer1-plugins-base-tools gstreamer1-plugins-bad-free-devel python3-gobject"
 )

@@ -24,6 +24,7 @@ constexpr Key kKeys[] = {
   { "calibration", Kind::path, false, "Key file of tactor-calibrate" },
   { "intensity", Kind::number, true, "Factor on all levels", 0, 1 },
   { "mute", Kind::flag, true, "All motors at zero" },
+  { kDelay, Kind::number, true, "Delay of all vibration in ms", -500, 500 },
   { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
   { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
   { "people", Kind::choice, false, "Detect faces and prefer events in them", 0, 0,
@@ -173,6 +174,12 @@ parse_grid(const std::string &value)
   const Grid grid{ side(std::string_view(value).substr(0, cross)),
                    side(std::string_view(value).substr(cross + 1)) };
   return grid.rows > 0 && grid.columns > 0 ? grid : Grid{};
+}
+
+std::int64_t
+parse_delay(const std::string &value)
+{
+  return static_cast<std::int64_t>(parse<double>(value).value_or(0) * 1e6);
 }
 
 bool

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -21,7 +22,7 @@ enum class Kind
   path,   ///< an absolute path of a file
 };
 
-/// A setting. All but `enabled` and `grid` have the name of a property of an element.
+/// A setting. All but `enabled`, `grid` and `delay` have the name of a property of an element.
 struct Key
 {
   const char *name;
@@ -37,6 +38,8 @@ struct Key
 inline constexpr const char *kEnabled = "enabled";
 /// Rows and columns of the tactile map.
 inline constexpr const char *kGrid = "grid";
+/// Delay of all vibration.
+inline constexpr const char *kDelay = "delay";
 
 std::span<const Key> keys();
 
@@ -63,6 +66,9 @@ struct Grid
 
 /// A value of Kind::grid, else rows and columns 0.
 Grid parse_grid(const std::string &value);
+
+/// A value of `delay`, in ns.
+std::int64_t parse_delay(const std::string &value);
 
 using Values = std::map<std::string, std::string>;
 

@@ -52,7 +52,7 @@ for element in $elements; do
   found "gst-inspect-1.0 $element | grep -F '$work/there'"
 done
 found "gst-launch-1.0 -q tactiletestsrc num-buffers=2 ! saliencytactile ! tactorsink driver=simulator sync=false"
-for program in visuotactile-play tactile-track tactor-calibrate visuotactile-settings visuotactile-follow visuotactile-study; do
+for program in visuotactile-play tactile-track tactor-calibrate visuotactile-settings visuotactile-follow visuotactile-study visuotactile; do
   found "[ \"\$(command -v $program)\" = '$work/there/bin/$program' ] && $program --version"
   [ "$pages" = no-pages ] || [ -s "$work/there/share/man/man1/$program.1" ] || { echo "no manual page of $program in $work/there"; exit 1; }
 done

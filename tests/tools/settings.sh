@@ -66,6 +66,30 @@ mkdir "$file"
 expect 1 on
 rmdir "$file"
 
+# ---- what is there ----
+expect 1 devices
+said 'No device is connected: plug in a board or a gamepad'
+mkdir bin
+printf '#!/bin/sh\n' >bin/totem
+printf '#!/bin/sh\necho "$@" >>%s/calls\nexit 3\n' "$work" >bin/systemctl
+chmod +x bin/*
+path=$PATH
+PATH=$work/bin:$PATH
+expect 0 on totem
+expect 0 players
+grep -q '^totem  *on ' said || fail "totem is not on: $(cat said)"
+expect 0 on mpv
+expect 0 players
+grep -q '^mpv  *\(on\|not installed\) ' said || fail "mpv is not on: $(cat said)"
+[ -r "$XDG_CONFIG_HOME/mpv/scripts/visuotactile.lua" ] || fail "mpv has no script"
+expect 0 off mpv totem
+[ ! -e "$XDG_CONFIG_HOME/mpv/scripts/visuotactile.lua" ] || fail "mpv has a script"
+expect 1 on follow
+said 'systemctl cannot enable visuotactile-follow.service'
+[ "$(cat calls)" = '--user --now enable visuotactile-follow.service' ] || fail "systemctl was called with: $(cat calls)"
+PATH=$path
+rm "$file"
+
 # ---- programs ----
 gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=30 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location=film.mkv
 # plays_felt BIN: whether gst-launch-1.0 takes the decoder; it plays to the end either way
@@ -119,19 +143,19 @@ expect 0 unset mute grid
 line
 lacks intensity=
 [ -s said ] && fail "without settings it says: $(cat said)"
-expect 0 set driver=simulator device=chair grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast sound=music
+expect 0 set driver=simulator device=chair grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true delay=20 sensitivity=2 density=0.25 people=fast sound=music
 line
-for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
+for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true ts-offset=20000000 sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
   has "$setting"
 done
-said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true, sensitivity=2, density=0.25, people=fast, sound=music, grid=2x4"
+said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true, delay=20, sensitivity=2, density=0.25, people=fast, sound=music, grid=2x4"
 # Options override them.
 line --intensity=1 --rows=3 --people=off --sound=off
 has rows=3
 for setting in intensity= people=; do
   lacks "$setting"
 done
-said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, mute=true, sensitivity=2, density=0.25, grid=2x4"
+said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, mute=true, delay=20, sensitivity=2, density=0.25, grid=2x4"
 # A device, a mapping and a grid are of the user's driver, and not of another, unless they are given.
 line --driver=gamepad
 has driver=gamepad

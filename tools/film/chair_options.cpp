@@ -12,6 +12,7 @@ ChairOptions::fill(UserDefaults &defaults)
   defaults.fill_of_driver("calibration", calibration);
   defaults.fill("intensity", intensity);
   defaults.fill("mute", mute);
+  defaults.fill(chair::kDelay, delay);
 }
 
 std::array<GOptionEntry, 7>

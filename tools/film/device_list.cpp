@@ -20,6 +20,29 @@ for_each_device(const char *classes, const std::function<void(GstDevice *)> &wit
     gst_device_monitor_stop(monitor.get());
 }
 
+std::vector<FoundDevice>
+found_devices()
+{
+  std::vector<FoundDevice> found;
+  for_each_device("Sink/Tactile", [&](GstDevice *device) {
+    const Owned<GstElement> sink = element_of(device);
+    if (sink == nullptr)
+      return;
+    g_autoptr(GstStructure) properties = gst_device_get_properties(device);
+    const char *bus_path
+        = properties ? gst_structure_get_string(properties, "device.bus_path") : nullptr;
+    found.push_back({ .name = text_property(device, "display-name"),
+                      .driver = text_property(sink.get(), "driver"),
+                      .device = text_property(sink.get(), "device"),
+                      .bus_path = bus_path ? bus_path : "" });
+  });
+  for_each_device("Audio/Sink", [&](GstDevice *device) {
+    const std::string name = text_property(device, "display-name");
+    found.push_back({ .name = name, .driver = kAudio, .device = name });
+  });
+  return found;
+}
+
 std::string
 text_property(gpointer object, const char *name)
 {

@@ -7,12 +7,25 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 /// The driver of programs for shakers at a sound card. All others are tactorsink's.
 inline constexpr const char *kAudio = "audio";
 
 /// Calls `with` for each device of a class. The devices are only listed, not opened.
 void for_each_device(const char *classes, const std::function<void(GstDevice *)> &with);
+
+/// A device that is connected, by the names of programs' options.
+struct FoundDevice
+{
+  std::string name; ///< for people
+  std::string driver;
+  std::string device;
+  std::string bus_path{}; ///< of a board: "1-2.3"
+};
+
+/// Boards and gamepads, then sound cards. They are only listed, not opened.
+std::vector<FoundDevice> found_devices();
 
 /// Empty if it is not set.
 std::string text_property(gpointer object, const char *name);

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace {
 
@@ -119,6 +120,17 @@ walk_of_device(const std::string &driver, const std::string &device, unsigned ro
 }
 
 void
+keep_motor(MotorWalk &motors, int only)
+{
+  if (only < 1 || static_cast<std::size_t>(only) > motors.names.size())
+    throw std::runtime_error("expected a motor from 1 to " + std::to_string(motors.names.size())
+                             + ", got " + std::to_string(only));
+  for (std::size_t motor = 0; motor < motors.names.size(); motor++)
+    if (motor + 1 != static_cast<std::size_t>(only))
+      motors.names[motor].clear();
+}
+
+void
 walk(GstElement *sink, const MotorWalk &motors,
      const std::function<void(const std::string &)> &show,
      const std::function<void(const std::string &)> &warn)
@@ -147,12 +159,15 @@ walk(GstElement *sink, const MotorWalk &motors,
   std::vector<gfloat> levels(std::size_t{ motors.rows } * motors.columns, 0);
   push(source.get(), levels, 0, kOff);
   GstClockTime at = kOff;
-  for (std::size_t motor = 0; motor < motors.names.size(); motor++, at += kOn + kOff) {
+  bool is_open = false;
+  for (std::size_t motor = 0; motor < motors.names.size(); motor++) {
+    if (motors.names[motor].empty())
+      continue;
     levels[motor] = 1;
     push(source.get(), levels, at, kOn);
     levels[motor] = 0;
     push(source.get(), levels, at + kOn, kOff);
-    if (motor == 0) { // until the device is open
+    if (!std::exchange(is_open, true)) { // until the device is open
       gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE);
       ended(pipeline.get(), at, hold, info);
       if (is_simulated(sink, warnings.empty() ? info : warnings.back()))
@@ -161,6 +176,7 @@ walk(GstElement *sink, const MotorWalk &motors,
     }
     ended(pipeline.get(), at, warn, info);
     show(motors.names[motor]);
+    at += kOn + kOff;
   }
   gst_app_src_end_of_stream(GST_APP_SRC(source.get()));
   while (!ended(pipeline.get(), GST_CLOCK_TIME_NONE, warn, info))

@@ -28,9 +28,14 @@ MotorWalk walk_of_motors(const std::vector<std::string> &names);
 MotorWalk walk_of_device(const std::string &driver, const std::string &device, unsigned rows,
                          unsigned columns);
 
-/// Drives each motor by `sink`, which is in no bin, for half a second. Calls `show` with its name
-/// when that begins, and `warn` with warnings. Where the motors are simulated that is shown first,
-/// and is an error unless the sink's driver is the simulator. Throws std::runtime_error.
+/// The motors but for all names except that of number `only`, from 1. Throws std::runtime_error if
+/// there is none.
+void keep_motor(MotorWalk &motors, int only);
+
+/// Drives each motor that has a name by `sink`, which is in no bin, for half a second. Calls `show`
+/// with its name when that begins, and `warn` with warnings. Where the motors are simulated that is
+/// shown first, and is an error unless the sink's driver is the simulator. Throws
+/// std::runtime_error.
 void walk(GstElement *sink, const MotorWalk &motors,
           const std::function<void(const std::string &)> &show,
           const std::function<void(const std::string &)> &warn);

@@ -7,6 +7,7 @@
 #include <gst/base/gstbasesink.h>
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace {
@@ -45,6 +46,7 @@ Chair::open(int rows, int columns)
                         + sink_line_ + " name=chair");
     source_ = element(pipeline_, "track");
     sink_ = element(pipeline_, "chair");
+    live_.attach(sink_.get());
     // Running time is the local time of reports, also in the trace.
     const Owned<GstClock> clock(GST_CLOCK(
         g_object_new(GST_TYPE_SYSTEM_CLOCK, "clock-type", GST_CLOCK_TYPE_MONOTONIC, nullptr)));
@@ -77,6 +79,7 @@ Chair::close()
   if (watch_ != 0)
     g_source_remove(watch_);
   watch_ = 0;
+  live_.attach(nullptr);
   source_.reset();
   sink_.reset();
   pipeline_.reset();
@@ -85,17 +88,18 @@ Chair::close()
 follow::Time
 Chair::ahead() const
 {
-  return kSlack
+  return kSlack + follow::Time(std::max<GstClockTimeDiff>(-live_.delay(), 0))
          + (sink_ ? follow::Time(gst_base_sink_get_render_delay(GST_BASE_SINK(sink_.get())))
                   : follow::Time(0));
 }
 
-/// Cancels the latency of the pipeline, since cues are known ahead of time.
+/// Cancels the latency of the pipeline, since cues are known ahead of time. The user's delay stays.
 void
 Chair::undo_latency()
 {
   auto *sink = GST_BASE_SINK(sink_.get());
-  const auto offset = -static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink));
+  const auto offset
+      = live_.delay() - static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink));
   if (gst_base_sink_get_ts_offset(sink) != offset)
     g_object_set(sink, "ts-offset", offset, nullptr);
 }

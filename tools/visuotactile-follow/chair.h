@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "film/live_settings.h"
 #include "film/pipeline.h"
 #include "follow/track_follower.h"
 
@@ -47,5 +48,6 @@ private:
   Pipeline pipeline_;
   Owned<GstElement> source_;
   Owned<GstElement> sink_;
+  LiveSettings live_;
   guint watch_ = 0;
 };

@@ -75,22 +75,11 @@ int
 list_devices()
 {
   std::puts("Found:");
-  bool found = false;
-  for_each_device("Sink/Tactile", [&](GstDevice *device) {
-    const Owned<GstElement> sink = element_of(device);
-    if (sink == nullptr)
-      return;
-    found = true;
-    print("--driver=" + text_property(sink.get(), "driver") + " "
-              + shell_word("--device=" + text_property(sink.get(), "device")),
-          text_property(device, "display-name"));
-  });
-  for_each_device("Audio/Sink", [&](GstDevice *device) {
-    found = true;
-    const std::string name = text_property(device, "display-name");
-    print("--driver=audio " + shell_word("--device=" + name), "shakers at a sound card");
-  });
-  if (!found)
+  const std::vector<FoundDevice> found = found_devices();
+  for (const FoundDevice &device : found)
+    print("--driver=" + device.driver + " " + shell_word("--device=" + device.device),
+          device.driver == kAudio ? "shakers at a sound card" : device.name);
+  if (found.empty())
     print("nothing", "no board, gamepad or sound card");
   std::puts("\nNot looked for, as that would disturb them:");
   for (const tactor::DriverInfo &driver : tactor::drivers()) {

@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -163,6 +164,8 @@ chair_line(const Options &options)
     line += " intensity=" + number_text(options.intensity);
   if (options.mute)
     line += " mute=true";
+  if (options.delay != 0 && options.driver.text() != kAudio)
+    line += " ts-offset=" + std::to_string(std::llround(options.delay * 1e6));
   if (options.mapping.is_set())
     line += " mapping=" + launch_value(options.mapping.text());
   if (options.calibration.is_set() && options.driver.text() != kAudio)
@@ -193,7 +196,9 @@ feel_test(const Options &options)
   const auto side = [](gint set) {
     return static_cast<unsigned>(set == kOfDevice ? kPaperSide : set);
   };
-  const MotorWalk motors = motors_of(chosen, side(options.rows), side(options.columns));
+  MotorWalk motors = motors_of(chosen, side(options.rows), side(options.columns));
+  if (options.motor != 0)
+    keep_motor(motors, options.motor);
   const Owned<GstElement> sink = make_sink(chair_line(options));
   walk(
       sink.get(), motors,

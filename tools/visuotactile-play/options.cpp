@@ -22,6 +22,7 @@ fill(Options &options, UserDefaults &defaults)
   defaults.fill_of_driver("calibration", options.calibration);
   defaults.fill("intensity", options.intensity);
   defaults.fill("mute", options.mute);
+  defaults.fill(chair::kDelay, options.delay);
   defaults.fill("sensitivity", options.sensitivity);
   defaults.fill("density", options.density);
   defaults.fill("people", options.people);
@@ -56,6 +57,8 @@ read_command_line(int argc, char **argv, Options &options)
       "Print the connected devices with their options, and exit", nullptr },
     { "feel-test", 0, 0, G_OPTION_ARG_NONE, &options.feel_test,
       "Drive one motor after the other for half a second, name each, and exit", nullptr },
+    { "motor", 0, 0, G_OPTION_ARG_INT, &options.motor,
+      "Only this motor of --feel-test, from 1 (default: all)", "N" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile.value,
       "Profile of the analysis: tuned (default) or paper", "NAME" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows,
@@ -148,6 +151,8 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
   if (options.tracks.is_set() && (options.films.empty() || options.print_pipeline))
     throw UsageError("--tracks plays the track of a film; expected one, and no --print-pipeline");
+  if (options.motor != 0 && !options.feel_test)
+    throw UsageError("--motor is of --feel-test");
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());

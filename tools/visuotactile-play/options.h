@@ -32,6 +32,7 @@ struct Options
   gint channels = 2;
   gdouble intensity = 1;
   gboolean mute = FALSE; ///< likewise
+  gdouble delay = 0;     ///< likewise, in ms
   gint rows = kOfDevice;
   gint columns = kOfDevice;
   gdouble rate = kUsualRate;
@@ -41,6 +42,7 @@ struct Options
   gboolean print_pipeline = FALSE;
   gboolean list_devices = FALSE;
   gboolean feel_test = FALSE;
+  gint motor = 0; ///< of the feel test; 0: all
   gboolean release_boards = FALSE;
   gboolean version = FALSE;
   CommonOptions common;

@@ -4,6 +4,7 @@
 #include "keys.h"
 
 #include "film/frame_times.h"
+#include "film/live_settings.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
 
@@ -61,6 +62,7 @@ public:
     analysis_ = element(pipeline_, "analysis");
     let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis_.get(), "sink")).get());
     chair_ = element(pipeline_, "chair");
+    live_.attach(chair_.get());
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
     if (!settings_.commands.empty())
@@ -484,6 +486,7 @@ private:
   Pipeline pipeline_;
   Owned<GstElement> analysis_;
   Owned<GstElement> chair_;
+  LiveSettings live_;
   std::vector<guint> sources_;
   guint timeout_ = 0;
   Progress progress_;

@@ -7,4 +7,6 @@ int set(int argc, char **argv);
 int unset(int argc, char **argv);
 int switch_on(int argc, char **argv);
 int switch_off(int argc, char **argv);
+int devices(int argc, char **argv);
+int players(int argc, char **argv);
 int test(int argc, char **argv);

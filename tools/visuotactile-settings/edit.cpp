@@ -4,9 +4,12 @@
 #include "chair/settings.h"
 #include "chair/settings_file.h"
 #include "film/command_line.h"
+#include "house/switches.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <string_view>
 
 namespace {
 
@@ -85,13 +88,20 @@ enable(int argc, char **argv, const char *value, const char *summary)
     check_program(program);
   if (programs.empty())
     programs.emplace_back(chair::kEveryProgram);
-  chair::SettingsFile file = load();
-  for (const std::string &program : programs)
-    file.set(program, chair::kEnabled, value);
-  save(file);
+  const bool on = std::string_view(value) == "true";
+  const auto switched = std::ranges::remove_if(
+      programs, [on](const std::string &program) { return switch_outside_settings(program, on); });
+  programs.erase(switched.begin(), switched.end());
+  if (!programs.empty()) {
+    chair::SettingsFile file = load();
+    for (const std::string &program : programs)
+      file.set(program, chair::kEnabled, value);
+    save(file);
+  }
+  if (!common.quiet && !programs.empty())
+    std::printf("written: %s\n", chair::settings_path().c_str());
   if (!common.quiet)
-    std::printf("written: %s\nIt applies to players that start from now on.\n",
-                chair::settings_path().c_str());
+    std::puts("It applies to players that start from now on.");
   return 0;
 }
 
@@ -193,7 +203,8 @@ switch_on(int argc, char **argv)
 {
   return enable(argc, argv, "true",
                 "Enables the chair in these programs, such as totem. Without a PROGRAM: in all\n"
-                "that play with GStreamer.");
+                "that play with GStreamer. mpv and kodi start visuotactile-follow by a script;\n"
+                "follow is that program as a service, which follows any player.");
 }
 
 int

@@ -4,10 +4,13 @@
 #include "commands.h"
 
 #include "film/command_line.h"
+#include "house/translation.h"
 
 #include <array>
 
 static constexpr std::array kCommands = {
+  Command{ "devices", devices, "print the connected devices, and faults" },
+  Command{ "players", players, "print the players that can be switched on" },
   Command{ "list", list, "print all settings" },
   Command{ "on", switch_on, "enable the chair in players" },
   Command{ "off", switch_off, "disable the chair in players" },
@@ -19,5 +22,6 @@ static constexpr std::array kCommands = {
 int
 main(int argc, char **argv)
 {
+  use_translations();
   return run_commands("visuotactile-settings", kCommands, argc, argv);
 }

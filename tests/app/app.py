@@ -1,0 +1,192 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The window of visuotactile, used as by a screen reader and by keys.
+
+Expects APP, SERVER (haptic_server.py), and the plugins on GST_PLUGIN_PATH. Usage: app.py [TEST ...]"""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+
+from app_window import App, Atspi, settings, start, wait_until, work
+
+CHAIR = work / "config/visuotactile/chair.conf"
+
+
+def set_chair(*lines):
+    CHAIR.parent.mkdir(parents=True, exist_ok=True)
+    CHAIR.write_text("\n".join(["[chair]", *lines, ""]), encoding="utf-8")
+
+
+def levels():
+    """The highest predicted amplitude of each motor of the simulator's file."""
+    header, *lines = (work / "amplitudes.csv").read_text(encoding="utf-8").split("\n")[:-1]  # complete ones
+    rows = [[float(field) for field in line.split(",")] for line in lines]
+    return [max((row[column] for row in rows), default=0) for column in range(1, len(header.split(",")))]
+
+
+def tab_to(app, role, name):
+    """Moves the focus there by the keyboard alone."""
+    for _ in range(40):
+        app.key("Tab")
+        if app.find_now(role, name, [Atspi.StateType.FOCUSED]):
+            return
+    raise AssertionError(f"Tab does not reach {role} '{name}'")
+
+
+def finds_devices():
+    app = App()
+    app.find("label", "No device is connected")
+    # A server that listens, where Intiface does; none is connected to.
+    with socket.create_server(("127.0.0.1", 12345)) as server:
+        app.click("push button", "Look again")
+        app.find("text", "Device of Intiface")
+        assert not app.has("No device is connected")
+        server.setblocking(False)
+        try:
+            server.accept()
+            raise AssertionError("the window connects to a server")
+        except BlockingIOError:
+            pass
+    app.quit()
+
+
+def chooses_by_keys():
+    app = App()
+    app.find("check box", "No hardware")
+    tab_to(app, "check box", "The board")
+    app.key("Down")
+    app.key("space")
+    wait_until("the driver", lambda: "driver=simulator" in settings())
+    tab_to(app, "slider", "Intensity")
+    app.key("Left")
+    wait_until("the intensity", lambda: "intensity=0.95" in settings())
+    tab_to(app, "", "Delay (ms)")
+    app.key("Up")
+    wait_until("the delay", lambda: "delay=5" in settings())
+    app.quit()
+
+
+def feels_motors():
+    set_chair("driver=simulator", f"device={work / 'amplitudes.csv'}", "grid=8x8")
+    app = App()
+    app.click("push button", "row 2, column 1")
+    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("push button", "Feel all motors"))
+    felt = levels()
+    assert felt[8] > 0.5 and max(felt[:8] + felt[9:]) == 0, felt
+    app.click("push button", "Feel all motors")
+    app.click("push button", "Stop the feel test")
+    app.find("push button", "Feel all motors")
+    felt = levels()
+    assert max(felt[63:], default=0) == 0 and not app.has("visuotactile-play"), felt
+    app.quit()
+
+
+def switches_all_off():
+    """A film that plays is silent at once, and felt again."""
+    server = start(sys.executable, os.environ["SERVER"], "bhaptics", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    port = server.stdout.readline().split()[-1]
+    set_chair("driver=bhaptics", f"device=vest-back@127.0.0.1:{port}")
+    player = start(os.path.join(os.path.dirname(os.environ["APP"]), "visuotactile-play"), "--no-window", "--quiet", stdout=subprocess.DEVNULL)
+
+    def waits_for_motors(on):
+        while True:
+            line = server.stdout.readline()
+            assert line, "the server has ended"
+            if line.startswith("motors") and ("=" in line) == on:
+                return
+
+    waits_for_motors(True)
+    app = App()
+    app.click("", "Switch all vibration off")
+    wait_until("the setting", lambda: "mute=true" in settings())
+    app.find("label", "All vibration is off.")
+    waits_for_motors(False)
+    app.key("ctrl+m")
+    wait_until("the setting", lambda: "mute=false" in settings())
+    waits_for_motors(True)
+    app.quit()
+    player.terminate()
+    player.wait()
+
+
+def switches_players():
+    tools = work / "bin"
+    tools.mkdir()
+    for name in ("systemctl", "mpv", "kodi", "totem"):
+        (tools / name).write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\n', encoding="utf-8")
+        (tools / name).chmod(0o755)
+    app = App(PATH=f"{tools}:{os.path.dirname(os.environ['APP'])}:{os.environ['PATH']}")
+    app.key("ctrl+3")
+    app.click("check box", "Totem")
+    wait_until("Totem's section", lambda: "[totem]" in settings() and "enabled=true" in settings())
+    link = work / "config/mpv/scripts/visuotactile.lua"
+    app.click("check box", "mpv")
+    wait_until("mpv's script", link.is_symlink)
+    assert "visuotactile-follow" in link.read_text(encoding="utf-8")
+    wait_until("the state", lambda: app.find("check box", "mpv").get_state_set().contains(Atspi.StateType.CHECKED))
+    app.click("check box", "mpv")
+    wait_until("mpv without a script", lambda: not link.is_symlink())
+    app.click("check box", "Any player")
+    wait_until("systemd", lambda: (work / "calls").exists() and "--user --now enable visuotactile-follow.service" in (work / "calls").read_text(encoding="utf-8"))
+    # A file of the user stays, and the window reports it.
+    wait_until("the state of mpv", lambda: not app.find("check box", "mpv").get_state_set().contains(Atspi.StateType.CHECKED))
+    link.write_text("mine", encoding="utf-8")
+    app.click("check box", "mpv")
+    app.find("label", "not by this program")
+    assert link.read_text(encoding="utf-8") == "mine"
+    app.quit()
+
+
+def plays_a_film():
+    film = work / "film.mkv"
+    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=600 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
+    set_chair("driver=simulator")
+    app = App(film)
+    app.find("label", "film.mkv")
+    app.click("push button", "Play it on the chair")
+    app.find("label", "The chair plays film.mkv.")
+    app.click("push button", "Stop the film")
+    app.find("label", "The chair waits.")
+    assert not app.has("visuotactile-play")
+    app.quit()
+
+
+def speaks_german():
+    app = App(LC_ALL="C.UTF-8", LANGUAGE="de")
+    app.find("push button", "Motoren fühlen")
+    app.find("", "Vibration ausschalten")
+    english = [node.get_name() for node in app.all() if (node.get_name() or "").startswith(("The ", "No ", "Switch "))]
+    assert not english, english
+    app.quit()
+
+
+def feels_a_vest():
+    """From the start of the window to a film that is felt on a vest: three decisions, no terminal. Prints the time."""
+    server = start(sys.executable, os.environ["SERVER"], "bhaptics", "port=15881", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert server.stdout.readline().split()[-1] == "15881"
+    begin = time.monotonic()
+    app = App()
+    app.find("check box", "Vest of bHaptics, back")
+    tab_to(app, "check box", "The board")
+    for _ in range(10):
+        app.key("Down")
+        if app.find_now("check box", "Vest of bHaptics, back", [Atspi.StateType.FOCUSED]):
+            break
+    app.key("space")  # 1: the device
+    wait_until("the device", lambda: "device=vest-back" in settings())
+    app.key("ctrl+2")  # 2: the page of films
+    app.click("push button", "Play an example")  # 3
+    while not (line := server.stdout.readline()).startswith("motors") or "=" not in line:
+        assert line, "the server has ended"
+    print(f"felt after {time.monotonic() - begin:.0f} s and 3 decisions")
+    app.quit()
+
+
+TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german, feels_a_vest)}
+for chosen in sys.argv[1:] or TESTS:
+    CHAIR.unlink(missing_ok=True)
+    TESTS[chosen]()
+    print(chosen, flush=True)

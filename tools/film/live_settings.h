@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "pipeline.h"
+
+#include "chair/settings.h"
+#include "chair/settings_watch.h"
+
+#include <atomic>
+#include <mutex>
+
+/// Applies changes of the user's `intensity`, `mute` and `delay` to a sink of maps while it plays.
+/// Options of the command line hold until the user changes that setting.
+class LiveSettings
+{
+public:
+  /// Before the sink is made from the settings, so that no change is missed.
+  LiveSettings();
+
+  /// Of the sink that plays from now on; null for none. It has the values of the start, or of
+  /// options: what the user has changed since then is applied to it.
+  void attach(GstElement *sink);
+
+  /// The user's delay of all vibration, in ns. Any thread.
+  GstClockTimeDiff delay() const
+  {
+    return delay_;
+  }
+
+private:
+  void apply();
+
+  std::mutex mutex_;
+  chair::Values at_start_;   ///< of live keys
+  chair::Values applied_;    ///< to the sink; guarded by the mutex
+  Owned<GstElement> sink_{}; ///< guarded by the mutex
+  std::atomic<GstClockTimeDiff> delay_;
+  chair::SettingsWatch watch_;
+};

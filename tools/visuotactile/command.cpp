@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "command.h"
+
+#include <gio/gio.h>
+
+#include <csignal>
+#include <filesystem>
+
+struct Command::Run
+{
+  Calls calls;
+  GSubprocess *process = nullptr;
+  std::string complaint; ///< the last line of standard error
+
+  ~Run()
+  {
+    g_clear_object(&process);
+  }
+};
+
+void
+Command::end(const Run &run, bool worked)
+{
+  if (const auto ended = run.calls.ended)
+    ended(worked ? "" : run.complaint.empty() ? "?" : run.complaint);
+}
+
+namespace {
+
+std::string
+path_of(const std::string &program)
+{
+  g_autofree gchar *self = g_file_read_link("/proc/self/exe", nullptr);
+  const auto beside = std::filesystem::path(self ? self : "").parent_path() / program;
+  return g_file_test(beside.c_str(), G_FILE_TEST_IS_EXECUTABLE) ? beside.string() : program;
+}
+
+/// Reads the lines of a stream to its end.
+struct Lines
+{
+  std::function<void(const std::string &)> call;
+
+  static void read(GInputStream *stream, std::function<void(const std::string &)> call)
+  {
+    GDataInputStream *lines = g_data_input_stream_new(stream);
+    next(lines, new Lines{ std::move(call) });
+    g_object_unref(lines); // the read has a reference
+  }
+
+  static void next(GDataInputStream *lines, Lines *self)
+  {
+    g_data_input_stream_read_line_async(lines, G_PRIORITY_DEFAULT, nullptr, on_line, self);
+  }
+
+  static void on_line(GObject *source, GAsyncResult *result, gpointer data)
+  {
+    auto *self = static_cast<Lines *>(data);
+    auto *lines = G_DATA_INPUT_STREAM(source);
+    g_autofree gchar *line = g_data_input_stream_read_line_finish(lines, result, nullptr, nullptr);
+    if (line == nullptr) {
+      delete self;
+      return;
+    }
+    g_autofree gchar *text = g_utf8_make_valid(line, -1);
+    self->call(text);
+    next(lines, self);
+  }
+};
+
+} // namespace
+
+std::shared_ptr<Command>
+Command::start(std::vector<std::string> arguments, Calls calls)
+{
+  arguments.front() = path_of(arguments.front());
+  std::vector<const gchar *> argv;
+  for (const std::string &argument : arguments)
+    argv.push_back(argument.c_str());
+  argv.push_back(nullptr);
+  auto command = std::make_shared<Command>();
+  command->run_ = std::make_shared<Run>(Run{ .calls = std::move(calls), .complaint = {} });
+  const std::shared_ptr<Run> run = command->run_;
+  g_autoptr(GError) error = nullptr;
+  run->process = g_subprocess_newv(argv.data(),
+                                   static_cast<GSubprocessFlags>(G_SUBPROCESS_FLAGS_STDOUT_PIPE
+                                                                 | G_SUBPROCESS_FLAGS_STDERR_PIPE),
+                                   &error);
+  if (run->process == nullptr) {
+    run->complaint = error->message;
+    g_idle_add_full(
+        G_PRIORITY_DEFAULT,
+        +[](gpointer data) -> gboolean {
+          end(**static_cast<std::shared_ptr<Run> *>(data), false);
+          return G_SOURCE_REMOVE;
+        },
+        new std::shared_ptr<Run>(run),
+        +[](gpointer data) { delete static_cast<std::shared_ptr<Run> *>(data); });
+    return command;
+  }
+  Lines::read(g_subprocess_get_stdout_pipe(run->process), [run](const std::string &line) {
+    if (run->calls.line)
+      run->calls.line(line);
+  });
+  Lines::read(g_subprocess_get_stderr_pipe(run->process),
+              [run](const std::string &line) { run->complaint = line; });
+  g_subprocess_wait_async(
+      run->process, nullptr,
+      +[](GObject *process, GAsyncResult *result, gpointer data) {
+        const std::unique_ptr<std::shared_ptr<Run>> own(static_cast<std::shared_ptr<Run> *>(data));
+        g_subprocess_wait_finish(G_SUBPROCESS(process), result, nullptr);
+        end(**own, g_subprocess_get_successful(G_SUBPROCESS(process)));
+      },
+      new std::shared_ptr<Run>(run));
+  return command;
+}
+
+void
+Command::stop()
+{
+  if (run_->process != nullptr)
+    g_subprocess_send_signal(run_->process, SIGTERM);
+}
+
+void
+Command::forget()
+{
+  run_->calls = {};
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// A program of this project that the window runs. The window itself opens no device and writes no
+/// file. Main context's thread.
+class Command
+{
+public:
+  struct Calls
+  {
+    std::function<void(const std::string &)> line; ///< of its standard output
+    /// Its end: empty, or the last line of its standard error.
+    std::function<void(const std::string &complaint)> ended;
+  };
+
+  /// Of a program beside this one, else in $PATH. One that cannot be started ends with a complaint,
+  /// soon.
+  static std::shared_ptr<Command> start(std::vector<std::string> arguments, Calls calls);
+
+  /// SIGTERM: the program brings all motors to zero, and ends.
+  void stop();
+  /// No further call.
+  void forget();
+
+private:
+  struct Run;
+  static void end(const Run &run, bool worked);
+
+  std::shared_ptr<Run> run_;
+};

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactile: a window over the commands of this project.
+#include "window.h"
+
+#include "film/command_line.h"
+#include "house/translation.h"
+
+#include <gst/gst.h>
+
+#include <cstdio>
+#include <vector>
+
+namespace {
+
+int
+run(int argc, char **argv)
+{
+  gboolean version = FALSE;
+  CommonOptions common;
+  const GOptionEntry entries[] = {
+    { "version", 0, 0, G_OPTION_ARG_NONE, &version, _("Print the version and exit"), nullptr }, {}
+  };
+  const std::vector<std::string> films = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "[FILM]",
+        .summary = _("A window with the devices, the feel test, the settings and the players of "
+                     "the chair.\nEach of its buttons runs a command: visuotactile-settings, "
+                     "visuotactile-play or\ntactile-track."),
+        .least = 0,
+        .most = 1,
+        .force_help = Usage::kWritesNothing,
+        .group = gst_init_get_option_group() });
+  if (version) {
+    std::puts("visuotactile " PACKAGE_VERSION);
+    return 0;
+  }
+  GtkApplication *application
+      = gtk_application_new("org.visuotactile.Chair", G_APPLICATION_HANDLES_OPEN);
+  g_signal_connect(application, "activate",
+                   G_CALLBACK(+[](GtkApplication *self) { show_window(self, ""); }), nullptr);
+  g_signal_connect(application, "open",
+                   G_CALLBACK(+[](GtkApplication *self, GFile **files, gint count) {
+                     g_autofree gchar *uri = count > 0 ? g_file_get_uri(files[0]) : nullptr;
+                     show_window(self, uri ? uri : "");
+                   }),
+                   nullptr);
+  std::string film = films.empty() ? "" : films.front();
+  char *arguments[] = { argv[0], film.empty() ? nullptr : film.data(), nullptr };
+  const int status = g_application_run(G_APPLICATION(application), film.empty() ? 1 : 2, arguments);
+  g_object_unref(application);
+  return status;
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  use_translations();
+  textdomain(PACKAGE);
+  try {
+    return run(argc, argv);
+  } catch (const Help &help) {
+    std::fputs(help.text.c_str(), stdout);
+    return 0;
+  } catch (const UsageError &error) {
+    print_error("visuotactile", std::string(error.what()) + "; see --help");
+    return 2;
+  }
+}
