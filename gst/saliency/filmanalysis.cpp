@@ -194,8 +194,12 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   make_analyzer(kind_of(settings));
   make_people(settings);
   analyzer_->set_threads(settings.n_threads);
+  tactile::MappingSettings how = make_mapping(settings);
+  // Weights and faces may raise what is far below the floor.
+  analyzer_->set_rest(settings.skip_unchanged && !settings.roi_weights && !people_ ? how.floor : 0);
   saliency_.map.clear();
   orientation_ = orientation;
+  unchanged_ = false;
   std::optional<FrameMapping> mapping;
   if (read)
     mapping.emplace(read->info, read->buffer);
@@ -207,6 +211,7 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   const saliency::Saliency &found = analyzer_->analyze(
       mapping->view(), time, std::max(duration, analysis_period(settings.max_rate)),
       settings.temporal);
+  unchanged_ = found.unchanged;
   if (found.cut) { // the finds of the last shot are gone
     top_down_->reset();
     viewport_.reset();
@@ -217,7 +222,6 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   placement.offset_y -= mapping->top();
   const cv::Mat &saliency = weigh(settings, frame, placement, mapping->view(), found, time);
   const cv::Rect2d shown = rectangle_of(*read, *mapping, found.picture);
-  tactile::MappingSettings how = make_mapping(settings);
   tactile::SaliencyView view{ .values = saliency.ptr<float>(),
                               .width = saliency.cols,
                               .height = saliency.rows,

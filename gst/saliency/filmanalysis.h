@@ -66,6 +66,11 @@ public:
     return people_ ? people_->statistics() : people::People::Statistics();
   }
 
+  /// Whether the last frame of analyze() showed nothing new, and its analysis was left out.
+  bool unchanged() const
+  {
+    return unchanged_;
+  }
   /// The map of the last analysis, as on the screen.
   const tactile::TactileMap &map() const
   {
@@ -117,6 +122,7 @@ private:
   PeopleKind people_kind_;               ///< of people_
   std::optional<people::People> people_; ///< none if it is off
   bool wait_for_people_ = true;
+  bool unchanged_ = false;
   saliency::Saliency raised_;                   ///< by people
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame
   saliency::Time last_time_{ 0 };               ///< of the last frame

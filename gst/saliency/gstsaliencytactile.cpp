@@ -218,10 +218,10 @@ gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySet
 }
 
 /// Counts a frame with these levels. `spent` is the time of its analysis; none if it was not
-/// analyzed.
+/// analyzed, as if `unchanged`.
 static void
 gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
-                           std::optional<GstClockTime> spent)
+                           std::optional<GstClockTime> spent, bool unchanged)
 {
   const people::People::Statistics people = self->priv->analysis.people_statistics();
   GST_OBJECT_LOCK(self);
@@ -230,6 +230,7 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
   stats.path = self->priv->reader.path();
   stats.bytes = self->priv->reader.bytes();
   stats.count(felt, spent);
+  stats.unchanged += unchanged ? 1 : 0;
   GST_OBJECT_UNLOCK(self);
 }
 
@@ -269,7 +270,8 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     gst_saliency_tactile_forget(self);
 
   if (const GstTactileMeta *own = gst_buffer_get_tactile_meta(buffer); own && settings.keep_maps) {
-    gst_saliency_tactile_count(self, { own->levels, std::size_t{ own->rows } * own->columns }, {});
+    gst_saliency_tactile_count(self, { own->levels, std::size_t{ own->rows } * own->columns }, {},
+                               false);
     return GST_FLOW_OK;
   }
 
@@ -288,11 +290,14 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const bool is_whole = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_CORRUPTED);
   // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;
+  bool unchanged = false;
   if (is_whole && priv->analysis.is_due(settings, priv->orientation, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyze(self, settings, buffer, time, duration);
-      spent = gst_util_get_timestamp() - begin;
+      unchanged = priv->analysis.unchanged();
+      if (!unchanged)
+        spent = gst_util_get_timestamp() - begin;
     } catch (const std::exception &e) { // out of memory: no other exception is thrown
       GST_ELEMENT_ERROR(self, RESOURCE, NO_SPACE_LEFT,
                         ("No memory to analyze such large frames: scale them down before."),
@@ -313,7 +318,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   if (is_whole)
     gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
-  gst_saliency_tactile_count(self, felt.levels, spent);
+  gst_saliency_tactile_count(self, felt.levels, spent, unchanged);
   return GST_FLOW_OK;
 }
 

@@ -127,6 +127,10 @@ constexpr P kProperties[] = {
   P::number<gdouble>("max-rate",
                      "Frames to analyze per second; others repeat the last map (0 = all)", kPlaying,
                      PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
+  P::flag(
+      "skip-unchanged",
+      "Analyze a fraction of the frames while nothing changes, and each from the first change on",
+      kPlaying, PROPERTY_FIELD(skip_unchanged)),
   P::flag("keep-maps", "Do not analyze frames that already have a map", kPlaying,
           PROPERTY_FIELD(keep_maps)),
   P::number<guint>("n-threads", "Threads that work on a frame, with the same result (0: one)",
@@ -134,7 +138,8 @@ constexpr P kProperties[] = {
   P::flag("exact", "Take every pixel's color: hardly better maps, several times the cost", kPlaying,
           PROPERTY_FIELD(exact)),
   P::stats("stats",
-           "Frames passed, analyzed and active (any level above 0); faces in the last frame; times "
+           "Frames passed, analyzed, unchanged (skipped) and active (any level above 0); faces in "
+           "the last frame; times "
            "of analyses and of looks for faces in ns; how frames are read (mapped, gl, element, "
            "converted or none) and the bytes read of those that were shrunk"),
 };

@@ -53,6 +53,7 @@ struct SaliencySettings
   tactile::CueLimits cue_limits;
   bool attach_saliency = false;
   double max_rate = 0;
+  bool skip_unchanged = true;
   bool keep_maps = false;
   int n_threads = 0; ///< 0: by frame size and processor
   bool exact = false;

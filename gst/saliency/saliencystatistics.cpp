@@ -19,9 +19,9 @@ SaliencyStatistics::to_structure() const
   const people::DetectionThread::Statistics &looks = people.looks;
   return gst_structure_new(
       "application/x-saliency-stats", "frames", G_TYPE_UINT64, frames, "analyzed", G_TYPE_UINT64,
-      analyzed, "active", G_TYPE_UINT64, active, "analysis-mean", G_TYPE_UINT64,
-      analyzed ? busy / analyzed : 0, "analysis-max", G_TYPE_UINT64, longest, "faces",
-      G_TYPE_UINT64, static_cast<guint64>(people.faces), "looks", G_TYPE_UINT64,
+      analyzed, "unchanged", G_TYPE_UINT64, unchanged, "active", G_TYPE_UINT64, active,
+      "analysis-mean", G_TYPE_UINT64, analyzed ? busy / analyzed : 0, "analysis-max", G_TYPE_UINT64,
+      longest, "faces", G_TYPE_UINT64, static_cast<guint64>(people.faces), "looks", G_TYPE_UINT64,
       static_cast<guint64>(looks.detections), "look-mean", G_TYPE_UINT64,
       static_cast<guint64>(looks.detections ? looks.busy.count() / looks.detections : 0), "path",
       G_TYPE_STRING, name_of(path), "bytes-read", G_TYPE_UINT64, bytes, nullptr);

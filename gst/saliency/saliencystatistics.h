@@ -12,9 +12,10 @@
 /// Counts and times of saliencytactile, for its property `stats`. Not thread-safe.
 struct SaliencyStatistics
 {
-  guint64 frames = 0;   ///< passed
-  guint64 analyzed = 0; ///< of frames
-  guint64 active = 0;   ///< frames with any level above zero
+  guint64 frames = 0;    ///< passed
+  guint64 analyzed = 0;  ///< of frames
+  guint64 unchanged = 0; ///< not analyzed, as they showed nothing new
+  guint64 active = 0;    ///< frames with any level above zero
   GstClockTime busy = 0;
   GstClockTime longest = 0;
   people::People::Statistics people;

@@ -9,6 +9,7 @@
 #include "saliency/pyramid.h"
 #include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"
+#include "saliency/stillness.h"
 
 #include <opencv2/core.hpp>
 
@@ -28,6 +29,12 @@ constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
 
 /// A film that pauses for longer, in frames at 30 fps, begins anew.
 constexpr double kLongestGap = 64;
+
+// These are of a picture that does not change (Analyzer::set_rest).
+constexpr double kLongestRest = 4.5; ///< between two analyses, frames at 30 fps
+constexpr double kQuiet = 0.25;      ///< of the floor: the map's peak
+constexpr double kSame = 0.3;        ///< of the floor: the difference
+constexpr int kMostMisses = 5;       ///< after that, every ninth frame is tested
 
 /// Whether a pose is so far from its frame of reference that precision may soon be lost.
 bool
@@ -59,6 +66,7 @@ struct Analyzer::State
 
   void follow(cv::Size size, Time time, bool temporal);
   void forget();
+  bool rests(const FrameView &frame, Time time, Time duration);
   Similarity camera_pose(double elapsed);
   const cv::Mat &spatial_map();
   const cv::Mat &spatiotemporal_map();
@@ -87,6 +95,13 @@ struct Analyzer::State
     Time duration;
   };
   std::optional<Previous> previous; ///< last frame since the reset
+  Time analyzed{};                  ///< the last of them that was analyzed
+
+  Stillness stillness;
+  double rest_floor = 0;
+  int misses = 0;   ///< tests in a row that failed
+  int untested = 0; ///< analyses until the next test
+
   FrameLevels levels;
   Similarity last_pose;
   Saliency result;
@@ -120,9 +135,48 @@ Analyzer::State::follow(cv::Size size, Time time, bool temporal)
 void
 Analyzer::State::forget()
 {
+  stillness.reset();
   paper.reset();
   camera.reset();
   events.reset();
+}
+
+/// Whether the frame can do without an analysis; the history goes on then.
+bool
+Analyzer::State::rests(const FrameView &frame, Time time, Time duration)
+{
+  if (!(rest_floor > 0) || profile.method != Method::events || !previous
+      || std::max(result.peak, static_cast<double>(events.held())) > kQuiet * rest_floor
+      || result.camera_moves || result.cut) {
+    stillness.reset();
+    return false;
+  }
+  if (untested > 0) {
+    --untested;
+    stillness.reset();
+    return false;
+  }
+  if (frames_between(analyzed, time) >= kLongestRest) {
+    stillness.keep(frame, levels.camera);
+    return false;
+  }
+  const bool had_reference = stillness.known();
+  if (!stillness(frame, levels.camera, kSame * rest_floor)) {
+    // A film that moves without an event costs a test now and then.
+    misses = had_reference ? std::min(misses + 1, kMostMisses) : misses;
+    untested = had_reference ? (1 << misses) / 4 : 0;
+    return false;
+  }
+  misses = 0;
+  const double elapsed = frames_between(previous->time, time);
+  camera.stay(elapsed);
+  result.map = events.stay(elapsed);
+  result.strength = strength.follow(events.energy(), elapsed);
+  cv::minMaxLoc(result.map, nullptr, &result.peak);
+  previous = Previous{ time, duration > Time::zero() ? duration : kDefaultDuration };
+  result.unchanged = true;
+  result.motion = {};
+  return true;
 }
 
 /// The camera's pose in samples of levels.camera.
@@ -197,6 +251,7 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
   if (duration <= Time::zero())
     duration = kDefaultDuration;
   result.cut = false;
+  result.unchanged = false;
   result.camera_moves = false;
   result.motion = {};
   result.strength = 0;
@@ -205,6 +260,7 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
   else {
     result.map = profile.method == Method::paper ? spatiotemporal_map() : event_map(time);
     previous = Previous{ time, duration };
+    analyzed = time;
     done(Stage::spatiotemporal, result.map);
   }
   cv::minMaxLoc(result.map, nullptr, &result.peak);
@@ -234,6 +290,8 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   auto &s = *state_;
   assert(fault_of(frame).empty());
   s.follow({ frame.width, frame.height }, time, temporal);
+  if (temporal && s.rests(frame, time, duration))
+    return s.result;
   const int converted
       = s.profile.exact ? 0 : decimation_level({ frame.width, frame.height }, s.levels.finest);
   const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest, converted);
@@ -265,6 +323,12 @@ void
 Analyzer::set_observer(std::function<void(Stage, const cv::Mat &map)> observer)
 {
   state_->observer = std::move(observer);
+}
+
+void
+Analyzer::set_rest(double floor)
+{
+  state_->rest_floor = floor;
 }
 
 void

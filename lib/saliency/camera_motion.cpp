@@ -105,6 +105,14 @@ CameraMotion::follow(const cv::Mat &lightness, double elapsed)
 }
 
 void
+CameraMotion::stay(double elapsed)
+{
+  age_ += elapsed;
+  if (age_ >= kOldestKey)
+    set_key();
+}
+
+void
 CameraMotion::reset()
 {
   size_ = {};

@@ -36,6 +36,9 @@ public:
   /// rest. The first frame after reset() and one of another size start anew, with the identity.
   const Similarity &follow(const cv::Mat &lightness, double elapsed);
 
+  /// A frame that shows the same as the last one, before a camera at rest.
+  void stay(double elapsed);
+
   /// Whether the camera moved between the key frame and the last frame.
   bool moved() const
   {

@@ -356,6 +356,11 @@ private:
   {
   }
 
+  bool decodes() const override
+  {
+    return false;
+  }
+
   mutable std::mutex mutex_;
   std::vector<Stream> streams_;
 };

@@ -63,6 +63,7 @@ EventMap::reset()
 {
   count_ = 0;
   energy_ = 0;
+  most_held_ = 0;
   noise_.reset();
 }
 
@@ -74,7 +75,14 @@ EventMap::rebase(const Similarity &view)
 }
 
 void
-EventMap::keep(const Look &look)
+EventMap::age(double elapsed)
+{
+  for (Picture &picture : past_)
+    picture.age += elapsed;
+}
+
+void
+EventMap::keep(const LabImage &shown, const cv::Mat &contrast, const Similarity &pose)
 {
   if (count_ > 0 && past_[latest_].age < kShortestStep)
     return;
@@ -84,9 +92,21 @@ EventMap::keep(const Look &look)
   Picture &picture = past_[latest_];
   picture.age = 0;
   for (std::size_t c = 0; c < 3; ++c)
-    look.picture.planes[c].copyTo(picture.lab.planes[c]);
-  look.contrast.copyTo(picture.contrast);
-  picture.pose = look.pose;
+    shown.planes[c].copyTo(picture.lab.planes[c]);
+  contrast.copyTo(picture.contrast);
+  picture.pose = pose;
+}
+
+const cv::Mat &
+EventMap::stay(double elapsed)
+{
+  age(elapsed);
+  if (count_ > 0)
+    keep(past_[latest_].lab, past_[latest_].contrast, past_[latest_].pose);
+  for (std::size_t i = 0; i < held_age_.total(); ++i)
+    held_age_.ptr<float>()[i] += static_cast<float>(elapsed);
+  clear(map_.size(), now_);
+  return settle(1, true, elapsed);
 }
 
 /// The picture whose age is nearest to the lag.
@@ -189,7 +209,7 @@ void
 EventMap::hold_onsets(const Look &look)
 {
   float strongest = 0;
-  float most_held = 0;
+  most_held_ = 0;
   for (std::size_t i = 0; i < now_.total(); ++i) {
     const float now = now_.ptr<float>()[i];
     float &held = held_.ptr<float>()[i];
@@ -200,10 +220,10 @@ EventMap::hold_onsets(const Look &look)
       age = 0;
     }
     strongest = std::max(strongest, now);
-    most_held = std::max(most_held, held);
+    most_held_ = std::max(most_held_, held);
   }
   const float alone = 1 - strongest / kAlone;
-  if (alone <= 0 || most_held <= strongest)
+  if (alone <= 0 || most_held_ <= strongest)
     return;
   const Picture &then = *picture_before(kHeld);
   const Similarity before = motion_since(then, look);
@@ -224,14 +244,13 @@ EventMap::operator()(const Look &look)
   const cv::Size size = look.contrast.size();
   if (count_ > 0 && past_[latest_].lab.size() != look.picture.size())
     reset();
-  for (Picture &picture : past_)
-    picture.age += look.elapsed;
+  age(look.elapsed);
   map_.create(size, CV_32FC1);
   const Picture *then = picture_before(kLag);
   if (!then) {
     for (cv::Mat *map : { &map_, &slow_, &held_, &held_age_ })
       clear(size, *map);
-    keep(look);
+    keep(look.picture, look.contrast, look.pose);
     return map_;
   }
   const Similarity before = motion_since(*then, look);
@@ -239,9 +258,17 @@ EventMap::operator()(const Look &look)
   const double way = displacement(before, look.picture.size());
   const double misfit = std::max(0.0, static_cast<double>(unexplained_.misfit()) - kLeastMisfit);
   hold_onsets(look);
-  const auto keeps = static_cast<float>(std::exp2(-look.elapsed / kSmoothing));
   const double travel = 1 + kTravel * misfit * std::min(1.0, way / kLeastWay);
-  const auto scale = static_cast<float>(1 / ((1 + way) * travel));
+  settle(static_cast<float>(1 / ((1 + way) * travel)), way <= kLeastWay, look.elapsed);
+  keep(look.picture, look.contrast, look.pose);
+  return map_;
+}
+
+/// The map of the events `now_`.
+const cv::Mat &
+EventMap::settle(float scale, bool rests, double elapsed)
+{
+  const auto keeps = static_cast<float>(std::exp2(-elapsed / kSmoothing));
   float most = 0;
   for (std::size_t i = 0; i < now_.total(); ++i) {
     const float now = now_.ptr<float>()[i];
@@ -250,12 +277,11 @@ EventMap::operator()(const Look &look)
     map_.ptr<float>()[i] = scale * (now + slow) / 2;
     most = std::max(most, now);
   }
-  if (way > kLeastWay) // each place shows one thing after another
-    noise_.reset();
+  if (rests)
+    noise_.subtract(map_, elapsed);
   else
-    noise_.subtract(map_, look.elapsed);
-  energy_ = std::max(static_cast<double>(most), energy_ * std::exp2(-look.elapsed / kEnergyHalf));
-  keep(look);
+    noise_.reset(); // each place shows one thing after another
+  energy_ = std::max(static_cast<double>(most), energy_ * std::exp2(-elapsed / kEnergyHalf));
   return map_;
 }
 

@@ -31,6 +31,16 @@ public:
   /// The map of the next frame, of the size of Look::contrast (CV_32FC1, ≥ 0).
   const cv::Mat &operator()(const Look &look);
 
+  /// The map of a frame that shows the same as the last look's, before a camera at rest, `elapsed`
+  /// frames at 30 fps later.
+  const cv::Mat &stay(double elapsed);
+
+  /// The strongest onset that may be held (kHeld), and thus felt again.
+  float held() const
+  {
+    return most_held_;
+  }
+
   /// The strongest event now, in ΔE, before the divisor of the camera's motion and the noise floor.
   double energy() const
   {
@@ -58,11 +68,13 @@ private:
     Similarity pose;
   };
 
-  void keep(const Look &look);
+  void age(double elapsed);
+  void keep(const LabImage &shown, const cv::Mat &contrast, const Similarity &pose);
   const Picture *picture_before(double lag) const;
   Similarity motion_since(const Picture &then, const Look &look) const;
   void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void hold_onsets(const Look &look);
+  const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void blur(cv::Mat &map);
 
@@ -84,6 +96,7 @@ private:
   cv::Mat slow_;
   cv::Mat map_;
   double energy_ = 0;
+  float most_held_ = 0;
 };
 
 } // namespace saliency

@@ -142,7 +142,7 @@ CHECK_TEST(test_standing_times)
 CHECK_TEST(test_corrupted_frames)
 {
   const SquareFilm film("I420", 0, 2);
-  Analysis analysis;
+  Analysis analysis("saliencytactile skip-unchanged=false");
   analysis.set_caps(film.caps);
   for (std::size_t i = 0; i < film.frames.size(); i++) {
     GstBuffer *frame = gst_buffer_copy(film.frames[i]);
@@ -185,16 +185,46 @@ CHECK_TEST(test_reverse)
 /// Frames beyond max-rate repeat the last map: with 10 analyses a second at 30 fps, two of three.
 CHECK_TEST(test_max_rate)
 {
-  Analysis analysis("saliencytactile max-rate=10");
+  Analysis analysis("saliencytactile max-rate=10 skip-unchanged=false");
   analysis.play(SquareFilm("I420", 0, 0));
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
   ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), 6); // frames 0, 3, 6, 9, 12, 15
 }
 
+/// Frames that show nothing new are not analyzed, unless the user wants all to be, or something may
+/// raise what is far below the floor.
+CHECK_TEST(test_skip_unchanged)
+{
+  struct Case
+  {
+    const char *line;
+    bool skips;
+  };
+  for (const Case &one : { Case{ "saliencytactile", true },
+                           { "saliencytactile floor=2", true },
+                           { "saliencytactile skip-unchanged=false", false },
+                           { "saliencytactile profile=paper", false },
+                           { "saliencytactile temporal=false", false },
+                           { "saliencytactile floor=0", false },
+                           { "saliencytactile roi-weights=face=3", false } }) {
+    Analysis analysis(one.line, kTiny);
+    for (guint i = 0; i < 60; i++) {
+      GstBuffer *frame = flat_frame(256, 9);
+      GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
+      GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
+      analysis.felt(frame);
+    }
+    const guint64 unchanged = stat_of(analysis.element, "unchanged");
+    fail_unless_equals_uint64(stat_of(analysis.element, "analyzed"), 60 - unchanged);
+    fail_unless(one.skips ? unchanged >= 30 && unchanged < 60 : unchanged == 0, "%s: %u", one.line,
+                static_cast<guint>(unchanged));
+  }
+}
+
 /// max-rate is never exceeded: 25 of 30 frames a second.
 CHECK_TEST(test_max_rate_is_not_exceeded)
 {
-  Analysis analysis("saliencytactile max-rate=25", kTiny);
+  Analysis analysis("saliencytactile max-rate=25 skip-unchanged=false", kTiny);
   for (guint i = 0; i < 300; i++) {
     GstBuffer *frame = flat_frame(256, 9);
     GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
@@ -210,7 +240,7 @@ CHECK_TEST(test_max_rate_is_not_exceeded)
 CHECK_TEST(test_keep_maps)
 {
   for (const bool keep : { false, true }) {
-    Analysis analysis("saliencytactile", kTiny);
+    Analysis analysis("saliencytactile skip-unchanged=false", kTiny);
     g_object_set(analysis.element, "keep-maps", gboolean{ keep }, nullptr);
     for (guint i = 0; i < 4; i++) {
       GstBuffer *frame = flat_frame(256, 9);
