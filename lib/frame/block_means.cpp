@@ -13,7 +13,7 @@ namespace saliency {
 
 namespace {
 
-/// Of a block: large frames are sampled, so that the look stays cheap.
+/// Rows of a block that are read, so that the look at large frames stays cheap.
 constexpr int kMostRows = 8;
 
 } // namespace
