@@ -11,6 +11,13 @@
 
 namespace saliency {
 
+namespace {
+
+/// Rows of a block that are read, so that the look at large frames stays cheap.
+constexpr int kMostRows = 8;
+
+} // namespace
+
 const std::array<cv::Mat1f, 3> &
 BlockMeans::operator()(const FrameView &frame, int level)
 {
@@ -35,13 +42,14 @@ BlockMeans::add(const FrameView &frame, const Component &component, int level, c
   for (int y = 0; y < means.rows; ++y) {
     // Chroma coarser than the blocks is repeated.
     const int first = std::min(y * rows, component.height - 1);
-    const int height = std::min(rows, component.height - first);
+    const int step_down = std::max(1, rows / kMostRows);
+    const int height = (std::min(rows, component.height - first) + step_down - 1) / step_down;
+    const std::ptrdiff_t stride = component.row_stride * step_down;
     const std::uint8_t *data = component.data + first * component.row_stride;
     if (bytes)
-      kernels::sum_rows(data, component.row_stride, height, count, sums_.data());
+      kernels::sum_rows(data, stride, height, count, sums_.data());
     else
-      kernels::sum_rows(data, component.row_stride, height, frame.depth + frame.shift - 8, count,
-                        sums_.data());
+      kernels::sum_rows(data, stride, height, frame.depth + frame.shift - 8, count, sums_.data());
     for (int x = 0; x < means.cols; ++x) {
       const int left = std::min(x * columns, component.width - 1);
       const int width = std::min(columns, component.width - left);

@@ -12,7 +12,7 @@
 namespace saliency {
 
 /// The means of a frame's components over blocks of 2ⁿ × 2ⁿ pixels, in codes of 8 bits: a cheap
-/// look at a frame, which reads every sample once and converts nothing.
+/// look at a frame, which converts nothing. Of a block, at most eight rows are read.
 class BlockMeans
 {
 public:
