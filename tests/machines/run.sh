@@ -35,7 +35,7 @@ table() {
   cat <<'PAGE'
 # Machines
 
-Made by `tests/machines/run.sh --table` of runs for each row; do not edit.
+Made by `tests/machines/run.sh --table` of runs for each row; cells that tell of parts, and the rows of sid and arm64, are by hand.
 
 Bare chroots on one PC of two processors, which other programs used at the same time (load 10 to 18): times are
 of the wall and say little. arm64 is cross-compiled and emulated. –: not run.
