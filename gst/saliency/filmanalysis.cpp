@@ -195,8 +195,10 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   make_people(settings);
   analyzer_->set_threads(settings.n_threads);
   tactile::MappingSettings how = make_mapping(settings);
-  // Weights and faces may raise what is far below the floor.
-  analyzer_->set_rest(settings.skip_unchanged && !settings.roi_weights && !people_ ? how.floor : 0);
+  // Weights and faces may raise what is far below the floor, and an attached map is read by others.
+  const bool may_rest
+      = settings.skip_unchanged && !settings.roi_weights && !people_ && !settings.attach_saliency;
+  analyzer_->set_rest(may_rest ? how.floor : 0);
   saliency_.map.clear();
   orientation_ = orientation;
   unchanged_ = false;

@@ -93,6 +93,8 @@ ChairProperties::apply(const chair::Settings &settings, bool all)
     const auto found = settings.values.find(key.name);
     const auto value = found == settings.values.end() ? std::optional<std::string>()
                                                       : std::optional(found->second);
+    if (!all && !value && !settings.complaints.empty())
+      continue; // it may be what was refused
     if (std::strcmp(key.name, chair::kDelay) == 0) {
       give("ts-offset",
            value ? std::optional(std::to_string(chair::parse_delay(*value))) : std::nullopt);

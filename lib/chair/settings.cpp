@@ -217,6 +217,10 @@ read_settings()
         for (auto &[key, value] : file->values(name, settings.complaints))
           settings.values[key] = value;
     std::vector<std::string> of_others;
+    // Off for all programs is off for each.
+    const Values everyone = file->values(kEveryProgram, of_others);
+    if (const auto mute = everyone.find("mute"); mute != everyone.end() && mute->second == "true")
+      settings.values["mute"] = "true";
     for (const std::string &name : sections)
       if (std::ranges::find(mine, name) == mine.end())
         settings.others = settings.others || is_on(file->values(name, of_others));

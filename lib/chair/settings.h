@@ -88,8 +88,8 @@ struct Settings
 std::vector<std::string> program_names();
 
 /// The settings in the user's file and the environment, for this process. A key of the program's
-/// section overrides that of [chair], and an environment variable overrides both. Entries that
-/// cannot be read are ignored.
+/// section overrides that of [chair], but for `mute=true` of [chair], and an environment variable
+/// overrides both. Entries that cannot be read are ignored.
 Settings read_settings();
 
 /// Whether any program is switched on.

@@ -5,7 +5,10 @@
 
 #include <cerrno>
 
+#include <fcntl.h>
 #include <glib/gstdio.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 namespace chair {
 
@@ -15,6 +18,15 @@ constexpr std::size_t kMostBytes = std::size_t{ 1 } << 20;
 
 using Error = tl::unexpected<std::string>;
 
+/// The error of make_settings_folder().
+Error
+cannot_make(const std::string &path)
+{
+  const int number = errno;
+  g_autofree gchar *folder = g_path_get_dirname(path.c_str());
+  return Error("cannot make the folder '" + std::string(folder) + "': " + g_strerror(number));
+}
+
 } // namespace
 
 std::string
@@ -23,6 +35,13 @@ settings_path()
   g_autofree gchar *path
       = g_build_filename(g_get_user_config_dir(), "visuotactile", "chair.conf", nullptr);
   return path;
+}
+
+bool
+make_settings_folder(const std::string &path)
+{
+  g_autofree gchar *folder = g_path_get_dirname(path.c_str());
+  return g_mkdir_with_parents(folder, 0700) == 0;
 }
 
 bool
@@ -53,6 +72,26 @@ SettingsFile::load(const std::string &path)
   if (!g_key_file_load_from_data(file.file_.get(), text->data(), text->size(),
                                  G_KEY_FILE_KEEP_COMMENTS, &error))
     return refused(error->message);
+  return file;
+}
+
+tl::expected<SettingsFile, std::string>
+SettingsFile::load_to_change(const std::string &path)
+{
+  g_autofree gchar *folder = g_path_get_dirname(path.c_str());
+  const int lock
+      = make_settings_folder(path) ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+  if (lock < 0)
+    return cannot_make(path);
+  const std::shared_ptr<const int> owned(new int(lock), [](const int *fd) {
+    close(*fd);
+    delete fd;
+  });
+  if (flock(lock, LOCK_EX) != 0)
+    return Error("cannot lock the folder '" + std::string(folder) + "': " + g_strerror(errno));
+  tl::expected<SettingsFile, std::string> file = load(path);
+  if (file)
+    file->lock_ = owned;
   return file;
 }
 
@@ -111,10 +150,9 @@ SettingsFile::unset(const std::string &section, const std::string &key)
 tl::expected<void, std::string>
 SettingsFile::save() const
 {
-  g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
   g_autoptr(GError) error = nullptr;
-  if (g_mkdir_with_parents(folder, 0700) != 0)
-    return Error("cannot make the folder '" + std::string(folder) + "': " + g_strerror(errno));
+  if (!make_settings_folder(path_))
+    return cannot_make(path_);
   if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
     return Error("cannot write the settings '" + path_ + "': " + error->message);
   return {};

@@ -26,6 +26,10 @@ public:
   /// file is an error, in one line with the path.
   static tl::expected<SettingsFile, std::string> load(const std::string &path = settings_path());
 
+  /// As load(), and no other program changes the file until this object is gone. Makes the folder.
+  static tl::expected<SettingsFile, std::string> load_to_change(const std::string &path
+                                                                = settings_path());
+
   /// Sections in the order of the file.
   std::vector<std::string> sections() const;
 
@@ -38,7 +42,7 @@ public:
   /// Whether it was set. The last key takes its section with it.
   bool unset(const std::string &section, const std::string &key);
 
-  /// Writes atomically, and makes the folders. An error is one line with the path.
+  /// Writes atomically, and makes the folder. An error is one line with the path.
   tl::expected<void, std::string> save() const;
 
 private:
@@ -46,7 +50,12 @@ private:
 
   std::string path_;
   std::unique_ptr<GKeyFile, void (*)(GKeyFile *)> file_;
+  std::shared_ptr<const int> lock_; ///< descriptor of the locked folder
 };
+
+/// Makes the folder of the file: a change in a folder that was made later is noticed late. False
+/// with an errno.
+bool make_settings_folder(const std::string &path = settings_path());
 
 /// Whether a program may have a section of that name.
 bool is_program_name(const std::string &name);

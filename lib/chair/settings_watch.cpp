@@ -10,6 +10,8 @@
 
 namespace chair {
 
+constexpr guint kReplaced = 500; ///< ms
+
 struct SettingsWatch::Impl
 {
   std::function<void()> changed;
@@ -18,11 +20,25 @@ struct SettingsWatch::Impl
   std::binary_semaphore watching{ 0 };
   GThread *thread = nullptr;
 
-  static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer self)
+  static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer data)
   {
-    // A file that is written in place notifies of each part, and of its end.
-    if (event != G_FILE_MONITOR_EVENT_CHANGED && event != G_FILE_MONITOR_EVENT_ATTRIBUTE_CHANGED)
-      static_cast<Impl *>(self)->changed();
+    auto *self = static_cast<Impl *>(data);
+    // Of a file that is written in place or put in another one's place, only this is its end.
+    if (event == G_FILE_MONITOR_EVENT_CHANGES_DONE_HINT)
+      self->changed();
+    if (event != G_FILE_MONITOR_EVENT_DELETED)
+      return;
+    // Editors rename the file before they write it.
+    GSource *later = g_timeout_source_new(kReplaced);
+    g_source_set_callback(
+        later,
+        [](gpointer impl) -> gboolean {
+          static_cast<Impl *>(impl)->changed();
+          return G_SOURCE_REMOVE;
+        },
+        self, nullptr);
+    g_source_attach(later, self->context);
+    g_source_unref(later);
   }
 
   void run()

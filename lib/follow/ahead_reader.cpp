@@ -70,10 +70,6 @@ AheadReader::may_read(Time position, Time now, Time cpu)
     return false;
   const Time known = known_until(position);
   if (!mark_ || now - *mark_ >= kCounted) {
-    if (mark_ && begin_ < reach_mark_) // no seek since
-      speed_ = std::max(speed_, std::chrono::duration<double>(reach_ - reach_mark_)
-                                    / std::chrono::duration<double>(now - *mark_));
-    reach_mark_ = reach_;
     mark_ = now;
     cpu_mark_ = cpu;
   }
@@ -123,15 +119,6 @@ AheadReader::choose(Time position, Time now)
   }
   if (complete_ || !failure_.empty() || !source_->is_open())
     return;
-  if (glances_ && (arrived_ || ended_)) {
-    glances_ = false;
-    const double worth = 1 / (speed_ > 0 ? speed_ : kSpeed);
-    if (!arrived_
-        || begin_ - position > std::chrono::duration<double>(kKeyFrames) * std::min(worth, 0.5)) {
-      seek(position, true, now);
-      return;
-    }
-  }
   const bool is_late = want == position && position > reach_ + kLag;
   if (!ended_ && is_late && sought_ && now - *sought_ > kPatience) {
     too_slow_ = true;
@@ -139,9 +126,7 @@ AheadReader::choose(Time position, Time now)
   } else if (!exactly_ && !ended_ && want < begin_ && want > begin_ - kWait) {
     // The source reaches this part without a seek.
   } else if (ended_ || want < begin_ || want > reach_ + kSkip) {
-    const bool glances = want == position && source_->decodes();
-    seek(want, !glances, now);
-    glances_ = glances;
+    seek(want, true, now);
   } else if (!sought_) {
     sought_ = now;
   }
@@ -154,7 +139,6 @@ AheadReader::seek(Time to, bool exactly, Time now)
   begin_ = reach_ = to;
   exactly_ = exactly;
   arrived_ = false;
-  glances_ = false;
   ended_ = false;
   sought_ = now;
 }

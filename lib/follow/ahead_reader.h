@@ -31,11 +31,6 @@ public:
   /// Continues at this film time or, unless `exactly`, at the next time that can be read at once.
   /// Drops all other maps.
   virtual void seek(Time to, bool exactly) = 0;
-  /// Whether a seek takes time between key frames, as all since the last one is decoded.
-  virtual bool decodes() const
-  {
-    return true;
-  }
   /// The reason for which no more maps come; empty: they may.
   virtual std::string failure() = 0;
   /// Whether that is a fault of a track, rather than of its file.
@@ -58,10 +53,6 @@ public:
   static constexpr double kShare = 0.4;
   /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
-  /// Between key frames so far apart, a place is read from the next one, or all since the last
-  /// one is decoded, whichever is known earlier.
-  static constexpr Time kKeyFrames = std::chrono::seconds(10);
-  static constexpr double kSpeed = 6; ///< film time per time, until it is measured
   /// A source that is farther behind the film, so long after a seek, is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
   static constexpr Time kPatience = std::chrono::seconds(4);
@@ -120,7 +111,6 @@ private:
   Time reach_{ 0 };      ///< all from begin_ to here is known
   bool exactly_ = true;  ///< else begin_ is where the first map is
   bool arrived_ = false; ///< begin_ is known
-  bool glances_ = false; ///< at the next key frame, to see how far it is
   bool ended_ = false;
   bool complete_ = false;
   bool too_slow_ = false;
@@ -128,8 +118,6 @@ private:
   std::optional<Time> sought_; ///< local time
   std::optional<Time> mark_;   ///< local time from which CPU time is counted
   Time cpu_mark_{ 0 };
-  Time reach_mark_{ 0 };
-  double speed_ = 0; ///< 0: not measured yet
 };
 
 } // namespace follow

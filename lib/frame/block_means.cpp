@@ -42,7 +42,7 @@ BlockMeans::add(const FrameView &frame, const Component &component, int level, c
   for (int y = 0; y < means.rows; ++y) {
     // Chroma coarser than the blocks is repeated.
     const int first = std::min(y * rows, component.height - 1);
-    const int step_down = std::max(1, rows / kMostRows);
+    const int step_down = std::max(1, rows / kMostRows) | 1; // odd: of both fields
     const int height = (std::min(rows, component.height - first) + step_down - 1) / step_down;
     const std::ptrdiff_t stride = component.row_stride * step_down;
     const std::uint8_t *data = component.data + first * component.row_stride;

@@ -24,14 +24,13 @@ SumBytes(const std::uint8_t *first, std::ptrdiff_t stride, int rows, std::size_t
 {
   // Two bytes a lane: their sums are made apart, and interleaved at the end.
   const Vectors<std::uint16_t> d;
-  const auto low = hn::Set(d, 0xFF);
   const std::size_t step = 2 * hn::Lanes(d);
   const auto columns = [=](std::size_t x) HWY_ATTR {
     auto even = hn::Zero(d);
     auto odd = hn::Zero(d);
     for (int y = 0; y < rows; ++y) {
       const auto pairs = load_bytes(d, first + y * stride + x);
-      even = hn::Add(even, hn::And(pairs, low));
+      even = hn::Add(even, hn::And(pairs, hn::Set(d, 0xFF)));
       odd = hn::Add(odd, hn::ShiftRight<8>(pairs));
     }
     hn::StoreInterleaved2(even, odd, d, sums + x);

@@ -32,9 +32,10 @@ constexpr double kLongestGap = 64;
 
 // These are of a picture that does not change (Analyzer::set_rest).
 constexpr double kLongestRest = 4.5; ///< between two analyses, frames at 30 fps
-constexpr double kQuiet = 0.25;      ///< of the floor: the map's peak
+constexpr float kQuiet = 0.02F;      ///< the map's most, so that the noise floor is as if analyzed
 constexpr double kSame = 0.3;        ///< of the floor: the difference
-constexpr int kMostMisses = 5;       ///< after that, every ninth frame is tested
+constexpr double kMostFloor = 0.8;   ///< a higher one hides events on which later levels depend
+constexpr int kMostMisses = 5;       ///< after that, one frame of ten is tested
 
 /// Whether a pose is so far from its frame of reference that precision may soon be lost.
 bool
@@ -146,8 +147,7 @@ bool
 Analyzer::State::rests(const FrameView &frame, Time time, Time duration)
 {
   if (!(rest_floor > 0) || profile.method != Method::events || !previous
-      || std::max(result.peak, static_cast<double>(events.held())) > kQuiet * rest_floor
-      || result.camera_moves || result.cut) {
+      || std::max(events.change(), events.held()) > kQuiet || result.camera_moves || result.cut) {
     stillness.reset();
     return false;
   }
@@ -328,7 +328,7 @@ Analyzer::set_observer(std::function<void(Stage, const cv::Mat &map)> observer)
 void
 Analyzer::set_rest(double floor)
 {
-  state_->rest_floor = floor;
+  state_->rest_floor = std::min(floor, kMostFloor);
 }
 
 void

@@ -30,7 +30,7 @@ struct Saliency
   /// centered on pixel 2ⁿ·i, so the picture's edges are not the map's.
   cv::Rect2d picture;
   bool cut = false;          ///< this frame starts a new shot
-  bool unchanged = false;    ///< all of this is the last frame's, as set_rest() allows
+  bool unchanged = false;    ///< the frame shows nothing new, and was not analyzed (set_rest)
   bool camera_moves = false; ///< since up to 8/30 s ago
   /// The camera's motion: maps samples of the last frame's map to samples of `map`.
   Similarity motion;
@@ -87,8 +87,8 @@ public:
   void set_observer(std::function<void(Stage, const cv::Mat &map)> observer);
 
   /// Lets frames pass without an analysis, up to four in a row at 30 fps, that show the same as
-  /// the last analyzed one (Stillness), while the map is far below `floor`. The first frame that
-  /// differs has its map, as if all had been analyzed. With 0, initially, and with other methods
+  /// the last analyzed one (Stillness), while the map is silent. The first frame that differs, by
+  /// a share of `floor`, is analyzed. With 0, initially, and with other methods
   /// than Method::events, all are.
   void set_rest(double floor);
 

@@ -5,6 +5,7 @@
 Expects APP, SERVER (haptic_server.py), and the plugins on GST_PLUGIN_PATH. Usage: app.py [TEST ...]"""
 
 import os
+import pathlib
 import socket
 import subprocess
 import sys
@@ -21,10 +22,19 @@ def set_chair(*lines):
 
 
 def levels():
-    """The highest predicted amplitude of each motor of the simulator's file."""
-    header, *lines = (work / "amplitudes.csv").read_text(encoding="utf-8").split("\n")[:-1]  # complete ones
-    rows = [[float(field) for field in line.split(",")] for line in lines]
-    return [max((row[column] for row in rows), default=0) for column in range(1, len(header.split(",")))]
+    """The highest predicted amplitude of each motor of the simulator's file; none of one that was stopped before it began."""
+    lines = (work / "amplitudes.csv").read_text(encoding="utf-8").split("\n")[1:-1]  # complete ones, without the header
+    rows = [[float(field) for field in line.split(",")][1:] for line in lines]
+    return [max(column) for column in zip(*rows)]
+
+
+def runs(process):
+    """Whether that process is a visuotactile-play that has not ended."""
+    try:
+        name, _, rest = pathlib.Path("/proc", process, "stat").read_text().partition(")")
+    except FileNotFoundError:
+        return False
+    return "visuotactile-pl" in name and rest.split()[0] != "Z"
 
 
 def tab_to(app, role, name):
@@ -81,7 +91,13 @@ def feels_motors():
     app.find("push button", "Feel all motors")
     felt = levels()
     assert max(felt[63:], default=0) == 0 and not app.has("visuotactile-play"), felt
-    app.quit()
+    app.click("push button", "Feel all motors")
+    wait_until("the test", lambda: levels() and levels()[0] > 0)
+    children = (pathlib.Path("/proc") / str(app.process.pid) / "task" / str(app.process.pid) / "children").read_text().split()
+    tests = [child for child in children if runs(child)]
+    assert tests, "the window runs no test"
+    app.process.kill()
+    wait_until("the end of the test of a killed window", lambda: not any(map(runs, tests)))
 
 
 def switches_all_off():

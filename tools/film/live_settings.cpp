@@ -15,22 +15,37 @@ struct LiveKey
 constexpr std::array kKeys
     = { LiveKey{ "intensity", "1" }, LiveKey{ "mute", "false" }, LiveKey{ chair::kDelay, "0" } };
 
-chair::Values
-values_now()
+/// Reads the settings. Values that are refused, or all of a file that is, stay as they are.
+void
+read(chair::Values &values)
 {
   const chair::Settings settings = chair::read_settings();
-  chair::Values values;
   for (const LiveKey &key : kKeys) {
     const auto found = settings.values.find(key.name);
-    values[key.name] = found == settings.values.end() ? key.usual : found->second;
+    if (found != settings.values.end())
+      values[key.name] = found->second;
+    else if (settings.complaints.empty())
+      values[key.name] = key.usual;
+    else
+      values.try_emplace(key.name, key.usual);
   }
-  return values;
 }
 
 } // namespace
 
+const chair::Values &
+LiveSettings::at_start()
+{
+  static const chair::Values values = [] {
+    chair::Values values;
+    read(values);
+    return values;
+  }();
+  return values;
+}
+
 LiveSettings::LiveSettings()
-    : at_start_(values_now()), delay_(chair::parse_delay(at_start_.at(chair::kDelay))),
+    : now_(at_start()), delay_(chair::parse_delay(now_.at(chair::kDelay))),
       watch_([this] { apply(); })
 {
 }
@@ -41,7 +56,7 @@ LiveSettings::attach(GstElement *sink)
   {
     const std::lock_guard lock(mutex_);
     sink_ = Owned<GstElement>(sink ? GST_ELEMENT(gst_object_ref(sink)) : nullptr);
-    applied_ = at_start_;
+    applied_ = at_start();
   }
   apply();
 }
@@ -50,15 +65,15 @@ void
 LiveSettings::apply()
 {
   const std::lock_guard lock(mutex_);
-  const chair::Values now = values_now();
-  delay_ = chair::parse_delay(now.at(chair::kDelay));
+  read(now_);
+  delay_ = chair::parse_delay(now_.at(chair::kDelay));
   if (sink_ == nullptr)
     return;
   for (const LiveKey &key : kKeys) {
-    if (now.at(key.name) == applied_.at(key.name))
+    if (now_.at(key.name) == applied_.at(key.name))
       continue;
     if (std::strcmp(key.name, chair::kDelay) != 0) {
-      gst_util_set_object_arg(G_OBJECT(sink_.get()), key.name, now.at(key.name).c_str());
+      gst_util_set_object_arg(G_OBJECT(sink_.get()), key.name, now_.at(key.name).c_str());
       continue;
     }
     if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink_.get()), "ts-offset") == nullptr)
@@ -69,5 +84,5 @@ LiveSettings::apply()
     offset += delay_ - chair::parse_delay(applied_.at(key.name));
     g_object_set(sink_.get(), "ts-offset", offset, nullptr);
   }
-  applied_ = now;
+  applied_ = now_;
 }

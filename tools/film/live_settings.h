@@ -14,7 +14,10 @@
 class LiveSettings
 {
 public:
-  /// Before the sink is made from the settings, so that no change is missed.
+  /// The values of the program's start. To be called first before the options are read, so that no
+  /// change is missed.
+  static const chair::Values &at_start();
+
   LiveSettings();
 
   /// Of the sink that plays from now on; null for none. It has the values of the start, or of
@@ -31,7 +34,7 @@ private:
   void apply();
 
   std::mutex mutex_;
-  chair::Values at_start_;   ///< of live keys
+  chair::Values now_;        ///< of live keys; guarded by the mutex
   chair::Values applied_;    ///< to the sink; guarded by the mutex
   Owned<GstElement> sink_{}; ///< guarded by the mutex
   std::atomic<GstClockTimeDiff> delay_;

@@ -78,7 +78,8 @@ link(const Script &script, bool on)
   if (is_ours(script)) {
     if (!on)
       fs::remove(script.link, error);
-  } else if (fs::symlink_status(script.link, error).type() != fs::file_type::not_found) {
+  } else if (std::error_code none;
+             fs::symlink_status(script.link, none).type() != fs::file_type::not_found) {
     throw std::runtime_error("'" + script.link.string()
                              + "' is there, and not by this program; move it away first");
   } else if (on) {

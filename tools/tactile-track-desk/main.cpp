@@ -9,6 +9,7 @@
 #include "../visuotactile-follow/session_watch.h"
 
 #include "film/known_driver.h"
+#include "film/live_settings.h"
 #include "film/or_throw.h"
 #include "library/library.h"
 #include "tracks/formats/track_file.h"
@@ -152,6 +153,7 @@ run(const DeskOptions &options)
 int
 main(int argc, char **argv)
 {
+  LiveSettings::at_start();
   try {
     DeskOptions options;
     UserDefaults defaults(kProgram);

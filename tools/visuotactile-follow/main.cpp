@@ -5,6 +5,7 @@
 
 #include "film/chair_options.h"
 #include "film/known_driver.h"
+#include "film/live_settings.h"
 #include "film/sound.h"
 
 #include <gst/gst.h>
@@ -274,6 +275,7 @@ run(const Options &options)
 int
 main(int argc, char **argv)
 {
+  LiveSettings::at_start();
   try {
     Options options;
     read_command_line(argc, argv, options);

@@ -356,11 +356,6 @@ private:
   {
   }
 
-  bool decodes() const override
-  {
-    return false;
-  }
-
   mutable std::mutex mutex_;
   std::vector<Stream> streams_;
 };

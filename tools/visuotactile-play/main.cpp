@@ -13,6 +13,7 @@
 #include "film/command_line.h"
 #include "film/film.h"
 #include "film/known_driver.h"
+#include "film/live_settings.h"
 #include "film/motor_walk.h"
 #include "film/output.h"
 #include "film/sound.h"
@@ -324,6 +325,7 @@ main(int argc, char **argv)
 {
   std::signal(SIGPIPE, SIG_IGN); // a reader that went away must not stop the motors' way to zero
   Options options;
+  LiveSettings::at_start();
   try {
     read_command_line(argc, argv, options);
     if (options.version) {

@@ -33,10 +33,12 @@ devices(int argc, char **argv)
         "be felt. Exit status 1: something is missing. Opens none.");
   gst_init(nullptr, nullptr);
   const std::vector<FoundDevice> found = found_devices();
-  for (const FoundDevice &device : found)
+  for (const FoundDevice &device : found) {
+    g_autofree gchar *argument = g_shell_quote(("device=" + device.device).c_str());
     if (!common.quiet)
-      std::printf("driver=%s 'device=%s'  %s\n", device.driver.c_str(), device.device.c_str(),
+      std::printf("driver=%s %s  %s\n", device.driver.c_str(), argument,
                   device.driver == kAudio ? "shakers at a sound card" : device.name.c_str());
+  }
   for (const std::string &server : waiting_servers())
     if (!common.quiet)
       std::printf("driver=%s  its server runs here; name a device\n", server.c_str());

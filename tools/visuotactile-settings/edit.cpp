@@ -25,12 +25,17 @@ table_of_keys()
 }
 
 chair::SettingsFile
-load()
+loaded(tl::expected<chair::SettingsFile, std::string> file)
 {
-  auto file = chair::SettingsFile::load();
   if (!file)
     throw std::runtime_error(file.error());
   return std::move(*file);
+}
+
+chair::SettingsFile
+load_to_change()
+{
+  return loaded(chair::SettingsFile::load_to_change());
 }
 
 void
@@ -93,7 +98,7 @@ enable(int argc, char **argv, const char *value, const char *summary)
       programs, [on](const std::string &program) { return switch_outside_settings(program, on); });
   programs.erase(switched.begin(), switched.end());
   if (!programs.empty()) {
-    chair::SettingsFile file = load();
+    chair::SettingsFile file = load_to_change();
     for (const std::string &program : programs)
       file.set(program, chair::kEnabled, value);
     save(file);
@@ -119,7 +124,7 @@ list(int argc, char **argv)
                   .most = 0,
                   .force_help = Usage::kWritesNothing,
                   .quiet_help = "Print only what is wrong" });
-  const chair::SettingsFile file = load();
+  const chair::SettingsFile file = loaded(chair::SettingsFile::load());
   std::vector<std::string> complaints;
   if (!common.quiet)
     std::printf("# %s\n", chair::settings_path().c_str());
@@ -149,7 +154,7 @@ set(int argc, char **argv)
       argc, argv, entries, common,
       { .arguments = "KEY=VALUE...", .summary = summary.c_str(), .least = 1, .most = kAny });
   const std::string section = section_of(program);
-  chair::SettingsFile file = load();
+  chair::SettingsFile file = load_to_change();
   for (const std::string &argument : arguments) {
     const std::size_t equals = argument.find('=');
     if (equals == std::string::npos)
@@ -182,7 +187,7 @@ unset(int argc, char **argv)
         .least = 1,
         .most = kAny });
   const std::string section = section_of(program);
-  chair::SettingsFile file = load();
+  chair::SettingsFile file = load_to_change();
   bool changed = false;
   for (const std::string &argument : arguments) {
     const bool was_set = file.unset(section, key_of(argument).name);

@@ -261,13 +261,13 @@ ChairPage::choose(const Choice &choice)
     set.push_back("device=" + choice.device);
   // The mapping and the rest of the former device are not of this one.
   const bool unsets = choice.device.empty();
-  shared_.change(std::move(set), [this, unsets, alive = alive_] {
-    if (!*alive)
+  shared_.change(std::move(set), [this, unsets, alive = alive_](bool worked) {
+    if (!*alive || !worked)
       return;
     std::vector<std::string> unset{ "visuotactile-settings", "unset", "mapping", "calibration" };
     if (unsets)
       unset.emplace_back("device");
-    shared_.change(std::move(unset), [this, alive] {
+    shared_.change(std::move(unset), [this, alive](bool) {
       if (*alive)
         show_motors();
       for (const Switch &player : switches())
@@ -320,10 +320,8 @@ ChairPage::test(int motor)
                                        = is_motor ? picture_.light((*number)++, line) : line;
                                    gtk_label_set_text(GTK_LABEL(felt_), shown.c_str());
                                  },
-                             .ended =
-                                 [this](const std::string &complaint) {
-                                   tested(complaint);
-                                 } });
+                             .ended = [this](const std::string &complaint) { tested(complaint); },
+                             .ends_with_window = true });
 }
 
 void
@@ -334,8 +332,8 @@ ChairPage::tested(const std::string &complaint)
   set_text(test_, _("_Feel all motors"));
   if (const std::optional<int> next = std::exchange(next_, std::nullopt))
     test(*next);
-  else if (!std::exchange(stops_, false))
-    shared_.complain(complaint);
+  else if (!std::exchange(stops_, false) || complaint != "?")
+    shared_.complain(complaint); // of a test that was stopped, too: motors may still be on
 }
 
 void

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <sys/prctl.h>
 
 struct Command::Run
 {
@@ -81,10 +82,12 @@ Command::start(std::vector<std::string> arguments, Calls calls)
   command->run_ = std::make_shared<Run>(Run{ .calls = std::move(calls), .complaint = {} });
   const std::shared_ptr<Run> run = command->run_;
   g_autoptr(GError) error = nullptr;
-  run->process = g_subprocess_newv(argv.data(),
-                                   static_cast<GSubprocessFlags>(G_SUBPROCESS_FLAGS_STDOUT_PIPE
-                                                                 | G_SUBPROCESS_FLAGS_STDERR_PIPE),
-                                   &error);
+  g_autoptr(GSubprocessLauncher) launcher = g_subprocess_launcher_new(static_cast<GSubprocessFlags>(
+      G_SUBPROCESS_FLAGS_STDOUT_PIPE | G_SUBPROCESS_FLAGS_STDERR_PIPE));
+  if (run->calls.ends_with_window)
+    g_subprocess_launcher_set_child_setup(
+        launcher, +[](gpointer) { prctl(PR_SET_PDEATHSIG, SIGTERM); }, nullptr, nullptr);
+  run->process = g_subprocess_launcher_spawnv(launcher, argv.data(), &error);
   if (run->process == nullptr) {
     run->complaint = error->message;
     g_idle_add_full(

@@ -16,6 +16,7 @@ public:
     std::function<void(const std::string &)> line; ///< of its standard output
     /// Its end: empty, or the last line of its standard error.
     std::function<void(const std::string &complaint)> ended;
+    bool ends_with_window = false; ///< SIGTERM at the window's end, however that ends
   };
 
   /// Of a program beside this one, else in $PATH. One that cannot be started ends with a complaint,

@@ -87,10 +87,17 @@ FilmPage::choose()
 }
 
 void
+FilmPage::stop()
+{
+  if (player_)
+    player_->stop();
+}
+
+void
 FilmPage::play(bool example)
 {
   if (player_) {
-    player_->stop();
+    stop();
     return;
   }
   shared_.complain("");

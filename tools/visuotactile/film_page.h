@@ -26,6 +26,8 @@ public:
   /// Lets the user choose a film.
   void choose();
   void set_film(const std::string &uri);
+  /// Stops the film, if one plays.
+  void stop();
   /// The film that visuotactile-play plays, or empty.
   std::string playing() const;
 

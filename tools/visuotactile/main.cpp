@@ -6,8 +6,10 @@
 #include "film/command_line.h"
 #include "house/translation.h"
 
+#include <glib-unix.h>
 #include <gst/gst.h>
 
+#include <csignal>
 #include <cstdio>
 #include <vector>
 
@@ -45,6 +47,15 @@ run(int argc, char **argv)
                      show_window(self, uri ? uri : "");
                    }),
                    nullptr);
+  for (const int number : { SIGTERM, SIGINT, SIGHUP })
+    g_unix_signal_add(
+        number,
+        +[](gpointer own) -> gboolean { // with the window, what it runs ends
+          if (GtkWindow *window = gtk_application_get_active_window(GTK_APPLICATION(own)))
+            gtk_window_destroy(window);
+          return G_SOURCE_CONTINUE;
+        },
+        application);
   std::string film = films.empty() ? "" : films.front();
   char *arguments[] = { argv[0], film.empty() ? nullptr : film.data(), nullptr };
   const int status = g_application_run(G_APPLICATION(application), film.empty() ? 1 : 2, arguments);

@@ -43,7 +43,7 @@ PlayersPage::show()
       if (!shows_)
         shared_.change({ "visuotactile-settings",
                          gtk_switch_get_active(GTK_SWITCH(toggle)) ? "on" : "off", player },
-                       [this] { show(); });
+                       [this](bool) { show(); });
     });
     add(line, toggle);
     gtk_list_box_append(GTK_LIST_BOX(list_), line);

@@ -10,8 +10,12 @@
 /// The window as its pages know it.
 struct Shared
 {
-  /// Runs a command that changes something, and shows its complaint. Then `done`, if any.
-  std::function<void(std::vector<std::string> arguments, std::function<void()> done)> change;
+  /// Whether a command worked.
+  using Done = std::function<void(bool worked)>;
+
+  /// Runs a command that changes something, after those before it, and shows its complaint. Then
+  /// `done`, if any.
+  std::function<void(std::vector<std::string> arguments, Done done)> change;
   /// Shows an error, or nothing if that is empty.
   std::function<void(const std::string &)> complain;
   /// Shows what the chair does now.

@@ -6,10 +6,14 @@
 #include "follow_state.h"
 #include "players_page.h"
 
+#include "chair/settings_file.h"
 #include "chair/settings_watch.h"
 #include "house/translation.h"
 
+#include <deque>
 #include <memory>
+#include <optional>
+#include <utility>
 
 namespace {
 
@@ -42,14 +46,26 @@ public:
   }
 
 private:
+  struct Change
+  {
+    std::vector<std::string> arguments;
+    Shared::Done done;
+  };
+
   void add_page(GtkWidget *page, const char *id, const char *title);
   void add_actions();
-  void change(std::vector<std::string> arguments, std::function<void()> done);
+  void switch_all(bool off);
+  void change(std::vector<std::string> arguments, Shared::Done done);
+  Change next_change();
+  void start_change();
   void complain(const std::string &text);
   void show_state();
   void show_settings();
 
   GtkWindow *window_;
+  std::deque<Change> changes_{};    ///< that wait for the one that runs
+  std::optional<bool> wants_off_{}; ///< the switch's, which is before them
+  bool changing_ = false;
   Shared shared_;
   ChairPage chair_;
   FilmPage film_;
@@ -119,11 +135,7 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
   connect(off_, "toggled", [this] {
     if (shows_)
       return;
-    const bool is_off = gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(off_));
-    if (is_off)
-      chair_.stop_test();
-    change({ "visuotactile-settings", "set", is_off ? "mute=true" : "mute=false" }, {});
-    show_state();
+    switch_all(gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(off_)));
   });
   add(foot, off_);
   add(box, foot);
@@ -141,6 +153,8 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
 Window::~Window()
 {
   *alive_ = false;
+  while (wants_off_ || !changes_.empty())
+    Command::start(next_change().arguments, {});
 }
 
 void
@@ -187,17 +201,57 @@ Window::add_actions()
   gtk_widget_add_controller(GTK_WIDGET(window_), keys);
 }
 
+/// Before all other changes. Off that cannot be written stops the film of this window.
 void
-Window::change(std::vector<std::string> arguments, std::function<void()> done)
+Window::switch_all(bool off)
 {
-  Command::start(std::move(arguments),
-                 { .line = {}, .ended = [this, alive = alive_, done](const std::string &complaint) {
-                    if (!*alive)
-                      return;
-                    complain(complaint);
-                    if (done)
-                      done();
-                  } });
+  if (off)
+    chair_.stop_test();
+  wants_off_ = off;
+  start_change();
+  show_state();
+}
+
+Window::Change
+Window::next_change()
+{
+  if (const std::optional<bool> off = std::exchange(wants_off_, std::nullopt))
+    return { { "visuotactile-settings", "set", *off ? "mute=true" : "mute=false" },
+             [this, off](bool worked) {
+               if (*off && !worked)
+                 film_.stop();
+               show_settings();
+             } };
+  Change next = std::move(changes_.front());
+  changes_.pop_front();
+  return next;
+}
+
+void
+Window::change(std::vector<std::string> arguments, Shared::Done done)
+{
+  changes_.push_back({ std::move(arguments), std::move(done) });
+  start_change();
+}
+
+void
+Window::start_change()
+{
+  if (changing_ || (changes_.empty() && !wants_off_))
+    return;
+  changing_ = true;
+  Change next = next_change();
+  Command::start(std::move(next.arguments),
+                 { .line = {},
+                   .ended = [this, alive = alive_, done = next.done](const std::string &complaint) {
+                     if (!*alive)
+                       return;
+                     changing_ = false;
+                     complain(complaint);
+                     if (done)
+                       done(complaint.empty());
+                     start_change();
+                   } });
 }
 
 void
@@ -242,6 +296,7 @@ show_window(GtkApplication *application, const std::string &film_uri)
     gtk_window_present(shown);
     return;
   }
+  chair::make_settings_folder();
   GtkCssProvider *style = gtk_css_provider_new();
   gtk_css_provider_load_from_data(style, kStyle, -1);
   gtk_style_context_add_provider_for_display(gdk_display_get_default(), GTK_STYLE_PROVIDER(style),

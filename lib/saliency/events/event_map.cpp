@@ -63,6 +63,7 @@ EventMap::reset()
 {
   count_ = 0;
   energy_ = 0;
+  change_ = 0;
   most_held_ = 0;
   noise_.reset();
 }
@@ -270,12 +271,14 @@ EventMap::settle(float scale, bool rests, double elapsed)
 {
   const auto keeps = static_cast<float>(std::exp2(-elapsed / kSmoothing));
   float most = 0;
+  change_ = 0;
   for (std::size_t i = 0; i < now_.total(); ++i) {
     const float now = now_.ptr<float>()[i];
     float &slow = slow_.ptr<float>()[i];
     slow = now + keeps * (slow - now);
     map_.ptr<float>()[i] = scale * (now + slow) / 2;
     most = std::max(most, now);
+    change_ = std::max(change_, (now + slow) / 2);
   }
   if (rests)
     noise_.subtract(map_, elapsed);

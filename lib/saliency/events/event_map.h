@@ -41,6 +41,12 @@ public:
     return most_held_;
   }
 
+  /// The map's maximum before the divisor of the camera's motion and the noise floor.
+  float change() const
+  {
+    return change_;
+  }
+
   /// The strongest event now, in ΔE, before the divisor of the camera's motion and the noise floor.
   double energy() const
   {
@@ -86,6 +92,7 @@ private:
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;
+  float change_ = 0;
   double sigma_ = 0; ///< of the blur, in samples
   std::vector<float> weights_;
   cv::Mat along_rows_;

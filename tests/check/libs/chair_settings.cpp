@@ -209,6 +209,15 @@ CHECK_TEST(every_key_takes_what_it_says)
   fail_unless(grid.rows == 2 && grid.columns == 64);
 }
 
+CHECK_TEST(off_for_all_programs_is_off)
+{
+  const SettingsHome home;
+  home.write("[chair]\nmute=true\n[libs-chair_settings]\nmute=false\n");
+  fail_unless_equals_string(read_settings().values.at("mute").c_str(), "true");
+  home.write("[chair]\nmute=false\n[libs-chair_settings]\nmute=true\n");
+  fail_unless_equals_string(read_settings().values.at("mute").c_str(), "true");
+}
+
 CHECK_TEST(changes_are_heard)
 {
   const SettingsHome home;
