@@ -23,7 +23,7 @@ struct SettingsWatch::Impl
   static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer data)
   {
     auto *self = static_cast<Impl *>(data);
-    // Of a file that is written in place or put in another one's place, only this is its end.
+    // The last event of a file that is written in place or replaces another one.
     if (event == G_FILE_MONITOR_EVENT_CHANGES_DONE_HINT)
       self->changed();
     if (event != G_FILE_MONITOR_EVENT_DELETED)

@@ -54,6 +54,13 @@ said "not set: mute of [chair]"
 grep -q totem "$file" && fail "an empty section is kept"
 expect 0 unset -q intensity grid
 [ -s said ] && fail "with -q it says: $(cat said)"
+# Programs that change the settings at the same time lose nothing.
+for number in {1..40}; do
+  "$SETTINGS" set -q --program="player$number" mute=true &
+done
+wait
+[ "$(grep -c '^.player' "$file")" = 40 ] || fail "of 40 settings at once there are: $(cat "$file")"
+rm "$file"
 printf '[chair]\nintensity=loud\n' >"$file"
 expect 1 list -q
 said "[chair] intensity: expected a number from 0 to 1, got 'loud'"

@@ -110,8 +110,11 @@ Command::start(std::vector<std::string> arguments, Calls calls)
       run->process, nullptr,
       +[](GObject *process, GAsyncResult *result, gpointer data) {
         const std::unique_ptr<std::shared_ptr<Run>> own(static_cast<std::shared_ptr<Run> *>(data));
-        g_subprocess_wait_finish(G_SUBPROCESS(process), result, nullptr);
-        end(**own, g_subprocess_get_successful(G_SUBPROCESS(process)));
+        auto *ended = G_SUBPROCESS(process);
+        g_subprocess_wait_finish(ended, result, nullptr);
+        if (g_subprocess_get_if_signaled(ended)) // its last line is no complaint
+          (*own)->complaint.clear();
+        end(**own, g_subprocess_get_successful(ended));
       },
       new std::shared_ptr<Run>(run));
   return command;
