@@ -91,9 +91,10 @@ def feels_motors():
     app.find("push button", "Feel all motors")
     felt = levels()
     assert max(felt[63:], default=0) == 0 and not app.has("visuotactile-play"), felt
+    (work / "amplitudes.csv").unlink()
     app.click("push button", "Feel all motors")
-    wait_until("the test", lambda: levels() and levels()[0] > 0)
-    children = (pathlib.Path("/proc") / str(app.process.pid) / "task" / str(app.process.pid) / "children").read_text().split()
+    wait_until("the test", lambda: (work / "amplitudes.csv").exists() and levels() and levels()[0] > 0)
+    children = pathlib.Path("/proc", str(app.process.pid), "task", str(app.process.pid), "children").read_text(encoding="ascii").split()
     tests = [child for child in children if runs(child)]
     assert tests, "the window runs no test"
     app.process.kill()
