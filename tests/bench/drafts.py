@@ -22,7 +22,6 @@ from mpv_socket import MpvSocket  # noqa: E402
 FOLLOW, CLIP = os.environ["FOLLOW"], sys.argv[1]
 WATCHED = float(sys.argv[2]) if len(sys.argv) > 2 else 20
 SIZES = ((1920, 1080), (3840, 2160))
-BEHIND = (3, 6, 8.5, 9.5)  # s: all since the key frame is decoded, or the next one is waited for
 LATEST = 60
 FILM = 600  # s
 NAME, PATH = "org.visuotactile.Follow1", "/org/visuotactile/Follow1"
@@ -114,10 +113,10 @@ def measure(width, height, bus):
     service = bus.get_object(NAME, PATH)
     mpv.command("set_property", "pause", False)
     print(watch(follower.pid, service, f"{width}×{height}, it begins", 0), flush=True)
-    for place, behind in enumerate(BEHIND, 1):
-        to = FILM // 5 * place + behind
-        mpv.command("seek", to, "absolute", "exact")
-        print(watch(follower.pid, service, f"{width}×{height}, a seek {behind} s behind a key frame", to - 0.1), flush=True)
+    # Just before a key frame: all since the one before has to be decoded.
+    to = FILM // 2 + 9.5
+    mpv.command("seek", to, "absolute", "exact")
+    print(watch(follower.pid, service, f"{width}×{height}, a seek", to - 0.1), flush=True)
     follower.terminate()
     follower.wait()
     mpv.end()

@@ -143,6 +143,15 @@ CHECK_TEST(test_changes_apply_while_it_plays)
   close_sink(pipeline);
 }
 
+/// The usual value would be felt at full strength.
+CHECK_TEST(test_refused_values_change_nothing)
+{
+  GstElement *pipeline = open_sink("[chair]\ndriver=simulator\nintensity=0.5\n");
+  change(pipeline, "[chair]\ndriver=simulator\nintensity=loud\nmute=true\n", "mute");
+  fail_unless(intensity(pipeline) == 0.5);
+  close_sink(pipeline);
+}
+
 CHECK_TEST(test_off_only_shows)
 {
   home.write("[chair]\nenabled=false\n");
