@@ -234,21 +234,6 @@ CHECK_TEST(changes_are_heard)
   fail_unless(read_settings().values.contains("mute"));
 }
 
-/// An editor renames the file before it writes: between them, nothing has changed.
-CHECK_TEST(a_file_that_is_put_back_is_read_whole)
-{
-  const SettingsHome home;
-  home.write("[chair]\nmute=true\n");
-  std::promise<bool> read;
-  const SettingsWatch watch([&read, told = false]() mutable {
-    if (!std::exchange(told, true))
-      read.set_value(read_settings().values.contains("mute"));
-  });
-  std::filesystem::remove(home.path());
-  home.write("[chair]\nmute=true\nintensity=0.5\n");
-  fail_unless(read.get_future().get());
-}
-
 CHECK_TEST(a_watch_ends_at_once)
 {
   const SettingsHome home;
