@@ -213,9 +213,9 @@ CHECK_TEST(off_for_all_programs_is_off)
 {
   const SettingsHome home;
   home.write("[chair]\nmute=true\n[libs-chair_settings]\nmute=false\n");
-  fail_unless_equals_string(read_settings().values.at("mute").c_str(), "true");
+  fail_unless(read_settings().values.at("mute") == "true");
   home.write("[chair]\nmute=false\n[libs-chair_settings]\nmute=true\n");
-  fail_unless_equals_string(read_settings().values.at("mute").c_str(), "true");
+  fail_unless(read_settings().values.at("mute") == "true");
 }
 
 CHECK_TEST(changes_are_heard)
