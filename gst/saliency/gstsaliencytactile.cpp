@@ -505,7 +505,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
 
   gst_element_class_set_static_metadata(
       element_class, "Saliency to touch", "Filter/Analyzer/Video",
-      "Finds what draws the eye and adds it to each frame as a tactile map (GstTactileMeta)",
+      "Detects the events that draw the eye and adds a tactile map (GstTactileMeta) to each frame",
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);

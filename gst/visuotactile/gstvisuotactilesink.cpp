@@ -334,9 +334,9 @@ gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_change_state);
   GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_handle_message);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_set_static_metadata(element_class, "Visuotactile sink", "Sink/Video",
-                                        "Shows a film and plays on motors what draws the eye in it",
-                                        "The visuotactile authors");
+  gst_element_class_set_static_metadata(
+      element_class, "Visuotactile sink", "Sink/Video",
+      "Shows a film and plays the events that draw the eye on motors", "The visuotactile authors");
 }
 
 /// Creates the children. If one is missing there are none, and opening fails.

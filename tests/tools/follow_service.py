@@ -272,7 +272,7 @@ def status():
     """By options, by D-Bus and by signals; remembered for each kind of player."""
     assert "no visuotactile-follow runs" in ask("--status", status=1)
     assert "no visuotactile-follow runs" in ask("--nudge=10", status=1)
-    assert "--nudge is a number of ms" in ask("--nudge=9000", status=2)
+    assert "--nudge is a number from -5000 to 5000, got 9000" in ask("--nudge=9000", status=2)
     film = make_film("status.mkv", 20, pattern=None)
     make_track(film.with_suffix(".csv"), 20)
     mpv = Mpv(film, "--loop")

@@ -132,7 +132,8 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
 {
   g_auto(GStrv) rest = nullptr;
   const GOptionEntry common_entries[]
-      = { { "force", 'f', 0, G_OPTION_ARG_NONE, &common.force, usage.force_help, nullptr },
+      = { { "force", 'f', usage.force_help ? 0 : G_OPTION_FLAG_HIDDEN, G_OPTION_ARG_NONE,
+            &common.force, usage.force_help, nullptr },
           { "quiet", 'q', 0, G_OPTION_ARG_NONE, &common.quiet, usage.quiet_help, nullptr },
           { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, nullptr },
           {} };
@@ -160,6 +161,28 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
   if (arguments.size() < usage.least || arguments.size() > usage.most)
     throw UsageError(std::string("expected ") + usage.arguments);
   return arguments;
+}
+
+void
+expect_range(const char *option, double value, double least, double most)
+{
+  if (value >= least && value <= most)
+    return;
+  g_autofree gchar *text = g_strdup_printf("%s is a number from %.10g to %.10g, got %.10g", option,
+                                           least, most, value);
+  throw UsageError(text);
+}
+
+void
+expect_one_of(const char *option, std::string_view value, std::span<const std::string_view> known)
+{
+  if (std::ranges::find(known, value) != known.end())
+    return;
+  std::string names;
+  for (const std::string_view name : known)
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  throw UsageError(std::string(option) + " is one of " + names + ", got '" + std::string(value)
+                   + "'");
 }
 
 int

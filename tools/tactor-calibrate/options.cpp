@@ -35,19 +35,17 @@ PlayOptions::with(std::initializer_list<GOptionEntry> own)
   defaults.fill_of_driver("device", device);
   std::vector<GOptionEntry> entries{
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of the board, as tactorsink's, or audio: shakers at a sound card (default: the "
-      "user's, else auto)",
+      "Driver of tactorsink, or audio for shakers at a sound card (default: the user's, else auto)",
       "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &device.value,
-      "Which board, as tactorsink's, or a sound card's name", "ID" },
+      "Device of the driver, or the name of a sound card", "ID" },
     { "channels", 0, 0, G_OPTION_ARG_INT, &channels,
-      "With --driver=audio: channels of the sound card, which are tactors (default: 2)", "N" },
+      "With --driver=audio: channels of the sound card; each is a tactor (default: 2)", "N" },
     { "frequency", 0, 0, G_OPTION_ARG_STRING, &frequency.value,
-      "With --driver=audio: carrier of each channel in Hz, as tactoraudiosink's (default: 60)",
-      "LIST" },
+      "With --driver=audio: carrier of each channel in Hz, such as 40,60 (default: 60)", "LIST" },
     { "source", 's', 0, G_OPTION_ARG_STRING, &source.value,
-      "Launch line of the GStreamer source that records the motors (default: autoaudiosrc); "
-      "simulator: simulate and record motors; none: record nothing",
+      "GStreamer source that records the motors, as a launch line (default: autoaudiosrc); "
+      "simulator: simulate motors and record them; none: record nothing",
       "LINE" },
     { "simulated-motors", 0, 0, G_OPTION_ARG_FILENAME, &simulated_motors.value,
       "Calibration of the motors that --source=simulator has (default: the paper's)", "FILE" },
@@ -69,8 +67,7 @@ PlayOptions::settings(double volts_max)
                            .channels = channels,
                            .frequency = frequency.text(),
                            .source = source.text() == "none" ? "" : source.text() };
-  if (channels < 1 || channels > 64)
-    throw UsageError("--channels is a whole number from 1 to 64");
+  expect_range("--channels", channels, 1, 64);
   if (settings.driver == kAudio && settings.source == "simulator")
     throw UsageError("--source=simulator has motors of its own; leave out --driver=audio");
   settings.sensor.noise = 0.001;
