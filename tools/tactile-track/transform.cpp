@@ -3,13 +3,13 @@
 // convert, edit: a track in, a track out.
 #include "commands.h"
 
+#include "text.h"
 #include "tracks/formats/funscript.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
 #include "tracks/track_edit.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -130,13 +130,11 @@ losses(const Track &track, const std::string &path)
 double
 parse_number(const std::string &text, const char *option, double least, double most)
 {
-  double value = 0;
-  const char *end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end)
+  const auto value = visuotactile::read_number<double>(text);
+  if (!value)
     throw UsageError(std::string(option) + " is a number, got '" + text + "'");
-  expect_range(option, value, least, most);
-  return value;
+  expect_range(option, *value, least, most);
+  return *value;
 }
 
 /// The texts before and after a separator.

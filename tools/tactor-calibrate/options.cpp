@@ -4,10 +4,13 @@
 #include "calibration/calibration.h"
 #include "film/device_list.h"
 #include "film/or_throw.h"
+#include "text.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+
+using visuotactile::read_number;
 
 namespace {
 
@@ -17,13 +20,6 @@ void
 interrupt(int)
 {
   interrupted = true;
-}
-
-bool
-parse_number(const std::string &text, double &value)
-{
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
 } // namespace
@@ -88,25 +84,20 @@ std::vector<int>
 parse_tactors(const std::string &text)
 {
   std::vector<int> tactors;
-  const auto fail = [&] {
-    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
-  };
   g_auto(GStrv) parts = g_strsplit(text.c_str(), ",", -1);
   for (gchar **part = parts; *part; part++) {
     g_auto(GStrv) ends = g_strsplit(*part, "-", 2);
-    double first = 0;
-    if (!ends[0] || !parse_number(ends[0], first))
-      fail();
-    double last = first;
-    if (ends[1] && !parse_number(ends[1], last))
-      fail();
-    if (first < 0 || last < first || last >= 4096)
-      fail();
-    for (int tactor = static_cast<int>(first); tactor <= static_cast<int>(last); tactor++)
+    const int first = ends[0] ? read_number<int>(ends[0]).value_or(-1) : -1;
+    const int last = ends[0] && ends[1] ? read_number<int>(ends[1]).value_or(-1) : first;
+    if (first < 0 || last < first || last >= 4096) {
+      tactors.clear();
+      break;
+    }
+    for (int tactor = first; tactor <= last; tactor++)
       tactors.push_back(tactor);
   }
   if (tactors.empty())
-    fail();
+    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
   return tactors;
 }
 
@@ -115,12 +106,13 @@ parse_band(const std::string &text)
 {
   if (text.empty())
     return { 0, 0 };
-  g_auto(GStrv) ends = g_strsplit(text.c_str(), ":", 2);
-  tactor::Band band{ 0, 0 };
-  if (!ends[0] || !ends[1] || !parse_number(ends[0], band.low_hz)
-      || !parse_number(ends[1], band.high_hz) || !(band.low_hz > 0 && band.high_hz > band.low_hz))
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const auto low = read_number<double>(std::string_view(text).substr(0, colon));
+  const auto high
+      = read_number<double>(std::string_view(text).substr(std::min(colon + 1, text.size())));
+  if (!low || !high || !(*low > 0 && *high > *low && std::isfinite(*high)))
     throw UsageError("expected a band as in 20:200, in Hz, got '" + text + "'");
-  return band;
+  return { *low, *high };
 }
 
 const std::atomic<bool> &
