@@ -167,16 +167,15 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
       = priv->analysis.analyze(settings, frame ? &*frame : nullptr, buffer, time, duration);
   const std::string no_people = priv->analysis.people_failure();
   if (!no_people.empty() && !std::exchange(priv->warned_people, true))
-    GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
-                        ("There is no look for people: %s.", no_people.c_str()),
-                        ("the film is felt without it; where something is missing, install "
-                         "OpenCV's object detection and its data, in Debian "
-                         "gstreamer1.0-visuotactile-people and opencv-data"));
+    GST_ELEMENT_WARNING(
+        self, RESOURCE, NOT_FOUND, ("Faces are not detected: %s.", no_people.c_str()),
+        ("the film plays without detection; if something is missing, install OpenCV's object "
+         "detection and its data, in Debian gstreamer1.0-visuotactile-people and opencv-data"));
   if (read || std::exchange(priv->warned_map, true))
     return;
   g_autoptr(GstCaps) caps = gst_pad_get_current_caps(GST_BASE_TRANSFORM_SINK_PAD(self));
   GST_ELEMENT_WARNING(self, RESOURCE, READ,
-                      ("Frames cannot be read: they pass as they are, and are felt as nothing."),
+                      ("Frames cannot be read: they pass unchanged, with empty tactile maps."),
                       ("expected memory that can be mapped, or an element that shrinks it "
                        "(vapostproc), got %" GST_PTR_FORMAT,
                        caps));

@@ -268,7 +268,8 @@ read_caps(GstSoundTactile *self, GstEvent *event)
                   && priv->reader.set_format(info, static_cast<int>(priv->pads->rows()),
                                              static_cast<int>(priv->pads->columns()));
   if (!priv->is_read)
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Nothing of this sound is felt."),
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT,
+                        ("This sound is not felt: its channels or its rate are not supported."),
                         ("expected 1 to %d channels at %d to %d Hz, got %" GST_PTR_FORMAT
                          "; put audioconvert and audioresample before this element",
                          sound::kMaxSpeakers, sound::SoundAnalyzer::kLowestRate,

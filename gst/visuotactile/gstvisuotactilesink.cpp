@@ -12,7 +12,7 @@
  *   they disable the chair, the element only shows the film.
  * - Picture and sound are delayed by `max-lead` and 10 ms.
  * - If the tactors fail, the film plays on, with a warning; the next start tries again. If no
- *   video sink works, the film is felt and not shown.
+ *   video sink works, the film is felt, but not shown.
  * - Frames that already have a map keep it. Frames in a GPU's memory stay there: see
  *   [saliencytactile](saliencytactile.md). Unreadable frames are shown and not felt.
  * - The analysis has its own thread.
@@ -139,7 +139,7 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
   GstElement *chosen = choose_video_sink("video-sink", errors);
   if (chosen == nullptr) {
     GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
-                        ("No video sink can be used: the film is felt and not shown."),
+                        ("No video sink can be used: the film is felt, but not shown."),
                         ("%s", errors->len > 0 ? errors->str : "no video sink has a rank"));
     chosen = gst_element_factory_make("fakesink", "video-sink");
     g_object_set(chosen, "sync", TRUE, nullptr);

@@ -231,7 +231,7 @@ def faulty():
         ask("--pass-over")
         follower.wait_for("plays 'faulty.mkv' with a draft")
         assert "fault:" not in ask("--status")
-        assert "no faulty track" in ask("--pass-over", status=1)
+        assert "no faulty track to skip" in ask("--pass-over", status=1)
         follower.end()
         mpv.quit()
         path.unlink()

@@ -135,8 +135,9 @@ expect_own(const fs::path &folder, const fs::path &ahap)
     return;
   for (const fs::path &path : { ahap, folder })
     if (fs::exists(path, error) && !fs::is_empty(path, error))
-      throw std::runtime_error("'" + path.string()
-                               + "' is not of an earlier call; expected none, or --force");
+      throw std::runtime_error(
+          "'" + path.string()
+          + "' was not written by this command; expected no such file, or --force");
 }
 
 } // namespace

@@ -141,11 +141,12 @@ read_command_line(int argc, char **argv, Options &options)
   sound_profile(options.sound.text());
   expect_driver(chosen_device(options).driver, kAudio);
   if (options.driver.text() == kAudio && options.compensation.text() != "exact")
-    throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
+    throw UsageError(
+        "--compensation has no effect with --driver=audio, which always compensates exactly");
   if (options.tracks.is_set() && (options.films.empty() || options.print_pipeline))
     throw UsageError("--tracks plays the track of a film; expected one, and no --print-pipeline");
   if (options.motor != 0 && !options.feel_test)
-    throw UsageError("--motor is of --feel-test");
+    throw UsageError("--motor needs --feel-test");
   if (options.feel_test && !options.films.empty())
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());
