@@ -132,8 +132,7 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
 {
   g_auto(GStrv) rest = nullptr;
   const GOptionEntry common_entries[]
-      = { { "force", 'f', usage.force_help ? 0 : G_OPTION_FLAG_HIDDEN, G_OPTION_ARG_NONE,
-            &common.force, usage.force_help, nullptr },
+      = { { "force", 'f', 0, G_OPTION_ARG_NONE, &common.force, usage.force_help, nullptr },
           { "quiet", 'q', 0, G_OPTION_ARG_NONE, &common.quiet, usage.quiet_help, nullptr },
           { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, nullptr },
           {} };

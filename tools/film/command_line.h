@@ -59,7 +59,7 @@ struct Usage
   const char *summary;   ///< likewise, in lines of at most 80 columns
   std::size_t least;     ///< number of arguments
   std::size_t most;
-  const char *force_help = nullptr; ///< null: without effect, and not in --help
+  const char *force_help = "No effect in this command";
   const char *quiet_help = kOnlyErrors;
   const GOptionEntry *more = nullptr; ///< entries that several programs share, ended likewise
   gpointer callback_data = nullptr;   ///< for G_OPTION_ARG_CALLBACK
