@@ -5,6 +5,7 @@
 #include "../properties.h"
 #include "saliency/region_weights.h"
 #include "tactile/cue_limiter.h"
+#include "tactile/tactile_mapping.h"
 
 #include <gst/video/video.h>
 
@@ -40,7 +41,7 @@ struct SaliencySettings
   int columns = 3;
   bool has_grid = false; ///< rows or columns were set; else downstream may prefer others
   bool temporal = true;
-  double threshold = 0.5;
+  double threshold = tactile::MappingSettings().threshold;
   double center_weight = kProfiles;
   double floor = kProfiles;
   double sensitivity = 1;
