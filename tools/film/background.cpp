@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "background.h"
 
+#include <initializer_list>
 #include <sched.h>
 
 /* Not by a nice value: the threads are of GLib's pool, which later serves other pipelines, and only

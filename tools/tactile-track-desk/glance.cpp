@@ -11,7 +11,7 @@
 namespace {
 
 /// Longest time for the glance.
-constexpr guint kLongest = 4; // s
+constexpr guint kLongest = 3; // s
 
 } // namespace
 

@@ -166,7 +166,7 @@ public:
     Pipeline pipeline = make_analysis(film_source(film), settings);
     if (settings.sound == nullptr)
       decode_picture_only(pipeline.get());
-    g_object_set(element(pipeline, "analysis").get(), "threads", 1, nullptr);
+    g_object_set(element(pipeline, "analysis").get(), "n-threads", 1, nullptr);
     use_one_thread(pipeline.get());
     maps_ = element(pipeline, "maps");
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
