@@ -10,8 +10,9 @@
 #include <memory>
 #include <string>
 
-/// What the desk shows of its film. What is not kept of an earlier time is made in one pass over the
-/// film, in the background; a long film first has some of its key frames. Main context's thread.
+/// Strip and draft of the desk's film. Parts that are not kept of an earlier time are made in one
+/// pass over the film, in the background; a long film first has some of its key frames. Main
+/// context's thread.
 class FilmContents
 {
 public:

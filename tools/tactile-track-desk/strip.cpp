@@ -135,6 +135,7 @@ Strip::listen(const Pipeline &pipeline)
     const Owned<GstElement> sink = element(pipeline, name);
     if (!sink)
       return;
+    g_object_set(sink.get(), "async", FALSE, nullptr); // the maps, which come before, do not wait
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = new_sample;
     gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
