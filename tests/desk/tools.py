@@ -131,6 +131,30 @@ def edges_snap_to_impacts(driver):
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+def a_drag_moves_the_whole_event(driver):
+    with desk_with(driver, [cue(5000, 6000, {4: 75})]) as (desk, _):
+        page = Page(driver, desk)
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 1366, "height": 768, "deviceScaleFactor": 1, "mobile": False})
+        # A part of it is selected, as after the undo of another edit.
+        page.keys("j", *[Keys.ARROW_DOWN] * 4, "w", "t", "5.4", Keys.ENTER, "i", "t", "5.6", Keys.ENTER, "o", (Keys.SHIFT, "s"))
+        left, top, width, height = page.js("const { left, top, width, height } = document.querySelector('#timeline canvas').getBoundingClientRect(); return [left, top, width, height]")
+        above = 26 + 48 + 36
+        row = max((height - above) / 9, 18)
+        # The middle of a bar that is seven pixels high.
+        x, y = round(left + 76 + 5500 / 20000 * (width - 76)), round(top + above + 5 * row - 6 - 0.75 * (row - 9) / 2)
+        chain = ActionChains(driver, duration=20)
+        pointer = chain.w3c_actions.pointer_action
+        pointer.move_to_location(x, y)
+        pointer.pointer_down()
+        pointer.move_to_location(x + 50, y)
+        pointer.move_to_location(x + 100, y)
+        pointer.pointer_up()
+        chain.perform()
+        (start, end, levels, _), *_ = page.track()
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        assert row < 20 and (end - start, levels) == (1000, {4: 75}) and abs(start - 5000 - 100 * 20000 / (width - 76)) < 30, (row, page.track())
+
+
 def rows_are_high(driver):
     with desk_with(driver, [cue(1000, 1400, {8: 50})]) as (desk, _):
         page = Page(driver, desk)
@@ -162,9 +186,9 @@ def what_to_do_first_is_not_red(driver):
         page.click("#loop")
         page.click("#templates-tab")
         page.click("#templates button")
-        page.wait("a hint", lambda: page.find("#templates p:last-child").text)
+        page.wait("a hint", lambda: page.find("#templates > p:last-child").text)
         red = page.js("return getComputedStyle(document.body).getPropertyValue('--bad').trim()")
-        hint = page.js("return getComputedStyle(document.querySelector('#templates p:last-child')).color")
+        hint = page.js("return getComputedStyle(document.querySelector('#templates > p:last-child')).color")
         assert page.errors() == [] and any("Select the time" in text for text in page.news()), (page.errors(), page.news())
         error = page.js("document.body.style.color = arguments[0]; const { color } = getComputedStyle(document.body); document.body.style.color = ''; return color", red)
         assert hint != error, hint
@@ -177,7 +201,7 @@ def what_to_do_first_is_not_red(driver):
         assert page.js("return getComputedStyle(document.querySelector('#alerts li')).color") == error
 
 
-TESTS = [points_by_keys, edges_snap_to_impacts, rows_are_high, what_to_do_first_is_not_red]
+TESTS = [points_by_keys, edges_snap_to_impacts, a_drag_moves_the_whole_event, rows_are_high, what_to_do_first_is_not_red]
 
 if __name__ == "__main__":
     with chromium() as browser:

@@ -59,7 +59,7 @@ try:
     make_film(folder / "made.webm", SECONDS)
     # Chromium cannot seek in webmmux's film with sound where it is a file.
     subprocess.run(["ffmpeg", "-v", "error", "-i", folder / "made.webm", "-c", "copy", folder / "mine.webm"], check=True, timeout=LATEST)
-    (folder / "page.html").write_text("<!DOCTYPE html><title>Watch Bouncing Balls (2012) in full – Some Site</title><video src=mine.webm loop></video>", encoding="utf-8")
+    (folder / "page.html").write_text("<!DOCTYPE html><meta charset=utf-8><title>Watch Bouncing Balls (2012) in full – Some Site</title><video src=mine.webm loop></video>", encoding="utf-8")
     tracks = folder / "tracks"
     tracks.mkdir()
     (tracks / "Bouncing Balls.vtt").write_text(TRACK.format(SECONDS - 1), encoding="utf-8")

@@ -106,12 +106,12 @@ export class TimelineGestures {
     return readOnly || (tool === 'select' && part === 'empty') ? 'select' : part;
   }
 
-  /** What a drag of an event is about: the selection if the event is in it. */
+  /** What a drag of an event is about: the selection if the whole event is in it. */
   #source({ cell, event }) {
     if (!event) return null;
     const { selection } = this.timeline;
     const isIn = selection && (selection.cells?.includes(cell) ?? true)
-      && event.start < selection.to && event.end > selection.from;
+      && event.start >= selection.from && event.end <= selection.to;
     return isIn ? selection : { from: event.start, to: event.end, cells: [cell] };
   }
 

@@ -170,8 +170,9 @@ export class TimelineView {
     const edge = Math.min(near, (event.end - event.start) / 3);
     if (ms < event.start + edge) return { part: 'begin', cell, ms, event };
     if (ms > event.end - edge) return { part: 'end', cell, ms, event };
-    const [top] = this.bar(cell, track.level(cell, at));
-    return { part: Math.abs(y - top) < 4 ? 'level' : 'event', cell, ms, event };
+    // Of a low one, most of what is below its top moves it, too.
+    const [top, height] = this.bar(cell, track.level(cell, at));
+    return { part: y > top - 4 && y < top + Math.min(4, height / 4) ? 'level' : 'event', cell, ms, event };
   }
 
   #eventNear(track, cell, ms, near) {
