@@ -64,18 +64,47 @@ def finds_devices():
 
 
 def chooses_by_keys():
+    """Walking through the devices chooses none; a key does, and what belongs to the former one is kept."""
+    set_chair("driver=auto", "grid=2x2", "mapping=3,2,1,0", "intensity=0.333")
+    before = CHAIR.read_text(encoding="utf-8")
     app = App()
-    app.find("check box", "No hardware")
-    tab_to(app, "check box", "The board")
-    app.key("Down")
+    app.find("toggle button", "No hardware")
+    tab_to(app, "toggle button", "The board")
+    focused = [Atspi.StateType.FOCUSED]
+    for key, name in (("Down", "No hardware"), ("Up", "The board"), ("Down", "No hardware")):
+        app.key(key)
+        app.find("toggle button", name, focused)
+    assert CHAIR.read_text(encoding="utf-8") == before
     app.key("space")
     wait_until("the driver", lambda: "driver=simulator" in settings())
-    tab_to(app, "slider", "Intensity")
-    app.key("Left")
-    wait_until("the intensity", lambda: "intensity=0.95" in settings())
+    assert settings()[:3] == ["[chair]", "driver=simulator", "intensity=0.333"], settings()
+    app.find("toggle button", "No hardware", [Atspi.StateType.PRESSED])
+    app.key("Up")
+    app.key("Return")
+    wait_until("the mapping of before", lambda: "mapping=3,2,1,0" in settings() and "driver=auto" in settings() and "grid=2x2" in settings())
     tab_to(app, "", "Delay (ms)")
     app.key("Up")
     wait_until("the delay", lambda: "delay=5" in settings())
+    assert "intensity=0.333" in settings()  # which was not touched
+    tab_to(app, "slider", "Intensity")
+    app.key("Left")
+    app.quit()  # before the scale has settled
+    wait_until("the intensity", lambda: "intensity=0.283" in settings())
+
+
+def tests_what_was_chosen():
+    """A device that was just chosen and a factor that was just set hold for the feel test that begins at once."""
+    set_chair("driver=simulator", f"device={work / 'amplitudes.csv'}", "grid=1x1", "mute=false")
+    app = App()
+    app.find("toggle button", "No hardware", [Atspi.StateType.PRESSED])
+    tab_to(app, "slider", "Intensity")
+    app.key("Home")
+    app.click("push button", "row 1, column 1")
+    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("push button", "Feel all motors"))
+    assert max(levels()) == 0, levels()
+    app.click("toggle button", "The board")
+    app.click("push button", "Feel all motors")
+    app.find("label", "motors are simulated")
     app.quit()
 
 
@@ -164,7 +193,7 @@ def switches_players():
 
 def plays_a_film():
     film = work / "film.mkv"
-    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=600 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
+    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=18000 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
     set_chair("driver=simulator")
     app = App(film)
     app.find("label", "film.mkv")
@@ -191,12 +220,8 @@ def feels_a_vest():
     assert server.stdout.readline().split()[-1] == "15881"
     begin = time.monotonic()
     app = App()
-    app.find("check box", "Vest of bHaptics, back")
-    tab_to(app, "check box", "The board")
-    for _ in range(10):
-        app.key("Down")
-        if app.find_now("check box", "Vest of bHaptics, back", [Atspi.StateType.FOCUSED]):
-            break
+    app.find("toggle button", "Vest of bHaptics, back")
+    tab_to(app, "toggle button", "Vest of bHaptics, back")
     app.key("space")  # 1: the device
     wait_until("the device", lambda: "device=vest-back" in settings())
     app.key("ctrl+2")  # 2: the page of films
@@ -207,7 +232,7 @@ def feels_a_vest():
     app.quit()
 
 
-TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german, feels_a_vest)}
+TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, tests_what_was_chosen, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german, feels_a_vest)}
 for chosen in sys.argv[1:] or TESTS:
     CHAIR.unlink(missing_ok=True)
     TESTS[chosen]()

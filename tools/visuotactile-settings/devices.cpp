@@ -29,7 +29,7 @@ devices(int argc, char **argv)
 {
   CommonOptions common;
   parse(argc, argv, common,
-        "Prints the connected devices, each as arguments of 'set', and the reason if one cannot\n"
+        "Prints the connected devices, each as arguments of 'use', and the reason if one cannot\n"
         "be felt. Exit status 1: something is missing. Opens none.");
   gst_init(nullptr, nullptr);
   const std::vector<FoundDevice> found = found_devices();

@@ -30,7 +30,8 @@ public:
 
 private:
   struct Run;
-  static void end(const Run &run, bool worked);
+  static void end(Run &run);
+  static void part_ended(const std::shared_ptr<Run> &run);
 
   std::shared_ptr<Run> run_;
 };

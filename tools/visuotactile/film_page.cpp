@@ -89,6 +89,7 @@ FilmPage::choose()
 void
 FilmPage::stop()
 {
+  stops_ = true;
   if (player_)
     player_->stop();
 }
@@ -100,7 +101,7 @@ FilmPage::play(bool example)
     stop();
     return;
   }
-  shared_.complain("");
+  stops_ = false;
   std::vector<std::string> arguments{ "visuotactile-play", "--quiet" };
   if (!example)
     arguments.push_back(uri_);
@@ -113,7 +114,8 @@ FilmPage::play(bool example)
                               playing_.clear();
                               set_text(play_, _("_Play it on the chair"));
                               gtk_widget_set_sensitive(play_, !uri_.empty());
-                              shared_.complain(complaint);
+                              if (!stops_ || complaint != "?") // it may have been stopped early
+                                shared_.report(complaint);
                               shared_.show_state();
                             } });
   shared_.show_state();

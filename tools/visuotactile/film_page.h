@@ -44,5 +44,6 @@ private:
   std::string uri_{};
   std::string playing_{};
   std::shared_ptr<Command> player_{};
+  bool stops_ = false; ///< by the user
   std::shared_ptr<Command> desk_{};
 };
