@@ -43,7 +43,7 @@ public:
   void tell_short_lead();
 
   TactorTiming read_timing() const;
-  /// Of all vibration.
+  /// Vibration is this much later.
   void set_delay(tactor::Time delay);
   /// To be called when latency or ts-offset has changed.
   void timing_changed();

@@ -34,7 +34,8 @@ struct TactorSettings
   }
   tactor::Time delay_time() const
   {
-    return std::chrono::duration_cast<tactor::Time>(std::chrono::duration<double, std::milli>(delay));
+    return std::chrono::duration_cast<tactor::Time>(
+        std::chrono::duration<double, std::milli>(delay));
   }
   tactor::Time ramp_in_time() const
   {

@@ -99,6 +99,11 @@ said "mapping=0,0"
 expect 0 use driver=auto
 expect 0 list
 said "$(printf '[chair]\ndriver=auto\ngrid=2x4\nintensity=0.5\nmapping=1,0')"
+# In German, --help has the same parts.
+expect 0 --help
+wc -l <said >lines
+LC_ALL=C.UTF-8 LANGUAGE=de expect 0 --help
+wc -l <said | cmp - lines || fail "the help in German has other parts: $(cat said)"
 expect 2 use gamepad
 expect 2 use device=x
 expect 2 use driver=gamepad mute=true
@@ -106,6 +111,10 @@ rm "$file"
 
 # ---- what is there ----
 expect 1 devices
+mkdir -p "$work/state/visuotactile"
+printf 'bhaptics\nvest-back\nVest\n' >"$work/state/visuotactile/device"
+XDG_STATE_HOME=$work/state expect 1 devices
+said "driver=bhaptics 'device=vest-back'  Vest, not connected now"
 said 'No device is connected: plug in a board or a gamepad'
 mkdir bin
 printf '#!/bin/sh\n' >bin/totem

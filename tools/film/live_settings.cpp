@@ -43,8 +43,7 @@ LiveSettings::at_start()
   return values;
 }
 
-LiveSettings::LiveSettings()
-    : now_(at_start()), watch_([this] { apply(); })
+LiveSettings::LiveSettings() : now_(at_start()), watch_([this] { apply(); })
 {
 }
 

@@ -99,9 +99,9 @@ bool
 is_followed()
 {
   std::error_code error;
-  return fs::exists(fs::path(g_get_user_config_dir())
-                        / "systemd/user/graphical-session.target.wants" / kUnit,
-                    error);
+  const auto wanted = fs::path("systemd/user/graphical-session.target.wants") / kUnit;
+  return fs::exists(g_get_user_config_dir() / wanted, error)
+         || fs::exists("/etc" / wanted, error); // for all users
 }
 
 void

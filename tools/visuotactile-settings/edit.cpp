@@ -110,9 +110,15 @@ enable(int argc, char **argv, const char *value, const char *summary)
   if (programs.empty())
     programs.emplace_back(chair::kEveryProgram);
   const bool on = std::string_view(value) == "true";
-  const auto switched = std::ranges::remove_if(
-      programs, [on](const std::string &program) { return switch_outside_settings(program, on); });
-  programs.erase(switched.begin(), switched.end());
+  std::string failed;
+  std::erase_if(programs, [&](const std::string &program) {
+    try {
+      return switch_outside_settings(program, on);
+    } catch (const std::runtime_error &error) { // the others are switched all the same
+      failed += (failed.empty() ? "" : "; ") + std::string(error.what());
+      return true;
+    }
+  });
   if (!programs.empty()) {
     chair::SettingsFile file = load_to_change();
     for (const std::string &program : programs)
@@ -120,9 +126,10 @@ enable(int argc, char **argv, const char *value, const char *summary)
     save(file);
   }
   if (!common.quiet && !programs.empty())
-    std::printf("written: %s\n", chair::settings_path().c_str());
-  if (!common.quiet)
-    std::puts("It applies to players that start from now on.");
+    std::printf("written: %s\nIt applies to players that start from now on.\n",
+                chair::settings_path().c_str());
+  if (!failed.empty())
+    throw std::runtime_error(failed);
   return 0;
 }
 
@@ -165,8 +172,8 @@ use(int argc, char **argv)
   const std::vector<std::string> arguments
       = parse_options(argc, argv, none, common,
                       { .arguments = "driver=NAME [device=ID]",
-                        .summary = "Chooses the device of all programs, as 'devices' prints it. The "
-                                   "grid, mapping and\ncalibration of the former one are kept "
+                        .summary = "Chooses the device of all programs, as 'devices' prints it. "
+                                   "Grid, mapping and\ncalibration of the former one are kept "
                                    "for the next time.",
                         .least = 1,
                         .most = 2 });

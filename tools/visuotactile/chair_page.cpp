@@ -159,6 +159,7 @@ struct ChairPage::Look
 {
   ChairPage *page;
   std::shared_ptr<bool> alive;
+  unsigned number;
   std::vector<FoundDevice> found{};
   std::vector<std::string> servers{};
   std::vector<std::string> lines{};
@@ -172,12 +173,12 @@ ChairPage::look()
       nullptr, nullptr,
       +[](GObject *, GAsyncResult *result, gpointer) {
         const auto *look = static_cast<Look *>(g_task_get_task_data(G_TASK(result)));
-        if (*look->alive)
+        if (*look->alive && look->number == look->page->looks_)
           look->page->show_devices(look->found, look->servers, look->lines);
       },
       nullptr);
   g_task_set_task_data(
-      task, new Look{ .page = this, .alive = alive_ },
+      task, new Look{ .page = this, .alive = alive_, .number = ++looks_ },
       +[](gpointer look) { delete static_cast<Look *>(look); });
   g_task_run_in_thread(
       task, +[](GTask *self, gpointer, gpointer data, GCancellable *) {
@@ -203,6 +204,8 @@ ChairPage::show_devices(const std::vector<FoundDevice> &found,
   }
   clear(devices_);
   offers_.clear();
+  if (const std::optional<FoundDevice> last = absent_device(found, servers))
+    put({ last->name, last->driver, last->device });
   put({ _("The board that is connected, otherwise simulated motors"), "auto", "" });
   for (const FoundDevice &device : found)
     put({ device.driver == kAudio
@@ -283,9 +286,8 @@ ChairPage::show_chosen()
   const chair::Values now = chair_values();
   const std::string driver = setting(now, "driver", "auto");
   for (const auto &[choice, button] : offers_) {
-    const bool chosen
-        = driver == choice.driver
-          && (choice.device.empty() || choice.device == setting(now, "device", ""));
+    const bool chosen = driver == choice.driver
+                        && (choice.device.empty() || choice.device == setting(now, "device", ""));
     gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(button), chosen);
     gtk_widget_set_opacity(gtk_widget_get_first_child(gtk_button_get_child(GTK_BUTTON(button))),
                            chosen ? 1 : 0);
@@ -347,9 +349,9 @@ ChairPage::start_test()
                            { .line =
                                  [this, number](const std::string &line) {
                                    const bool is_motor = !line.starts_with("simulated");
-                                   const std::string shown
-                                       = is_motor ? picture_.light((*number)++, line)
-                                                  : _("The motors are simulated.");
+                                   const std::string shown = is_motor
+                                                                 ? picture_.light((*number)++, line)
+                                                                 : _("The motors are simulated.");
                                    gtk_label_set_text(GTK_LABEL(felt_), shown.c_str());
                                  },
                              .ended = [this](const std::string &complaint) { tested(complaint); },

@@ -87,6 +87,7 @@ private:
   std::shared_ptr<Command> tested_;
   std::optional<int> next_{}; ///< motor to feel when the device is free and chosen
   bool stops_ = false;        ///< the feel test was stopped by the user
+  unsigned looks_ = 0;        ///< searches for devices; the last one is shown
   bool shows_ = false;        ///< the settings are being shown, not changed
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -22,8 +22,8 @@ struct Command::Run
   std::string complaint{}; ///< the last line of standard error
   bool worked = false;
   bool was_killed = false; ///< its last line is no complaint
-  int parts = 3;  ///< not ended: the process and its two streams
-  guint rest = 0; ///< timeout after the process' end
+  int parts = 3;           ///< not ended: the process and its two streams
+  guint rest = 0;          ///< timeout after the process' end
 
   ~Run()
   {
@@ -35,9 +35,7 @@ void
 Command::end(Run &run)
 {
   if (const Calls calls = std::exchange(run.calls, {}); calls.ended)
-    calls.ended(run.worked                                ? ""
-                : run.was_killed || run.complaint.empty() ? "?"
-                                                          : run.complaint);
+    calls.ended(run.worked ? "" : run.was_killed || run.complaint.empty() ? "?" : run.complaint);
 }
 
 void
@@ -133,9 +131,13 @@ Command::start(std::vector<std::string> arguments, Calls calls)
                                                              if (const auto call = run->calls.line)
                                                                call(line);
                                                            },
-                                                           ended });
-  Lines::read(g_subprocess_get_stderr_pipe(run->process),
-              { [run](const std::string &line) { run->complaint = line; }, ended });
+                                                            ended });
+  Lines::read(g_subprocess_get_stderr_pipe(run->process), { [run](const std::string &line) {
+                                                             run->complaint = line;
+                                                             if (const auto call = run->calls.told)
+                                                               call(line);
+                                                           },
+                                                            ended });
   g_subprocess_wait_async(
       run->process, nullptr,
       +[](GObject *process, GAsyncResult *result, gpointer data) {

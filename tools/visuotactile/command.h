@@ -14,6 +14,7 @@ public:
   struct Calls
   {
     std::function<void(const std::string &)> line; ///< of its standard output
+    std::function<void(const std::string &)> told; ///< of its standard error
     /// Its end: empty, or the last line of its standard error.
     std::function<void(const std::string &complaint)> ended;
     bool ends_with_window = false; ///< SIGTERM at the window's end, however that ends

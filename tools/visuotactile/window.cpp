@@ -255,6 +255,7 @@ Window::start_change()
   }
   Command::start(std::move(next.arguments),
                  { .line = {},
+                   .told = {},
                    .ended = [this, alive = alive_, done = next.done](const std::string &complaint) {
                      if (!*alive)
                        return;
@@ -279,7 +280,8 @@ Window::show_state()
   const bool is_off = gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(off_));
   std::string state = is_off ? _("All vibration is off.") : follow_.text();
   if (!is_off && !film_.playing().empty())
-    state = in_text("The chair plays {}.", film_.playing());
+    state = in_text("The chair plays {}.", film_.playing())
+            + (film_.is_simulated() ? std::string(" ") + _("The motors are simulated.") : "");
   gtk_label_set_text(GTK_LABEL(state_), state.c_str());
   set_text(off_, is_off ? _("Switch vibration _on again") : _("Switch all vibration _off"));
 }

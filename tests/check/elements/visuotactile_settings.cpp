@@ -147,8 +147,8 @@ CHECK_TEST(test_delay_stays_in_playbin)
   GstElement *sink = gst_element_factory_make("visuotactilesink", "sink");
   GstElement *shown = gst_element_factory_make("fakesink", nullptr);
   g_object_set(sink, "video-sink", shown, nullptr);
-  g_object_set(pipeline, "uri", ("file://" + film.path).c_str(), "video-sink",
-               sink, "audio-sink", gst_element_factory_make("fakesink", nullptr), nullptr);
+  g_object_set(pipeline, "uri", ("file://" + film.path).c_str(), "video-sink", sink, "audio-sink",
+               gst_element_factory_make("fakesink", nullptr), nullptr);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   wait_for_eos(pipeline);
   gdouble delay = 0;
