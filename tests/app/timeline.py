@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The way from the window's start to the first feel with each kind of device, as a table: seconds and decisions. Pictures of each step are
-written to a folder. As root: a gamepad of the kernel's list is a stand-in, in a mount namespace of its own.
+"""The way from the window's start to the first feel with each kind of device, by keys and a screen reader: seconds and decisions, as a page.
+Pictures of each step are written to a folder. As root: a gamepad of the kernel's list is a stand-in, in a mount namespace of its own.
 
-Usage: meson devenv -C build unshare -m env APP=tools/visuotactile GAMEPADS=tests/app python3 ../tests/app/timeline.py FOLDER [PATH ...]"""
+Usage: meson devenv -C build unshare -m env APP=tools/visuotactile GAMEPADS=tests/app python3 ../tests/app/timeline.py FOLDER [WAY ...] >PAGE"""
 
 import os
 import pathlib
@@ -15,6 +15,7 @@ from app_window import App, Atspi, picture, start, wait_until, work
 
 HERE = pathlib.Path(__file__).parent
 SERVER = HERE.parent / "support/haptic_server.py"
+CHAIR = work / "config/visuotactile/chair.conf"
 folder = pathlib.Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
 
@@ -22,8 +23,9 @@ folder.mkdir(parents=True, exist_ok=True)
 class Way:
     """A user's way: decisions, and times from the window's start."""
 
-    def __init__(self, name, **environment):
+    def __init__(self, name, before, **environment):
         self.name = name
+        self.before = before  # command lines
         self.decisions = []
         self.times = {}
         self.begin = time.monotonic()
@@ -33,7 +35,7 @@ class Way:
 
     def reach(self, step):
         self.times[step] = time.monotonic() - self.begin
-        picture(folder / f"{self.name}-{step}.png", 560, 790)
+        picture(folder / f"{self.name.replace(' ', '-')}-{step}.png", 560, 790)
 
     def decide(self, what, act):
         self.decisions.append(what)
@@ -59,8 +61,10 @@ class Way:
 
     def end(self, note=""):
         self.app.quit()
-        times = " | ".join(f"{self.times[step]:.0f}" if step in self.times else "" for step in ("window", "motor", "film"))
-        print(f"| {self.name} | {len(self.decisions)}: {', '.join(self.decisions)} | {times} | {note} |", flush=True)
+        times = " | ".join(f"{self.times[step]:.0f}" if step in self.times else "–" for step in ("window", "motor", "film"))
+        words = 1 + sum(len(line.split()) for line in self.before)  # a terminal
+        lines = ", ".join(f"`{line}`" for line in self.before)
+        print(f"| {self.name} | {words}: a terminal, {lines} | {len(self.decisions)}: {', '.join(self.decisions)} | {times} | {note} |", flush=True)
 
 
 def server_of(kind, port):
@@ -76,7 +80,7 @@ def server_of(kind, port):
 
 def vest():
     felt = server_of("bhaptics", 15881)
-    way = Way("vest")
+    way = Way("vest", ["visuotactile-play --driver=bhaptics FILM"])
     way.device("Vest of bHaptics, back")
     way.test(felt)
     way.film(felt)
@@ -85,7 +89,7 @@ def vest():
 
 def intiface():
     felt = server_of("buttplug4", 12345)
-    way = Way("intiface")
+    way = Way("Intiface", ["visuotactile-play --driver=intiface --device=NAME FILM"])
     entry = way.app.find("text", "Device of Intiface")
 
     def name_it():
@@ -110,7 +114,7 @@ def shaker():
         while not any(heard.stdout.read1(65536)):
             pass
 
-    way = Way("shaker")
+    way = Way("shaker", ["visuotactile-play --driver=audio FILM"])
     way.device("Shakers at the sound card")
     way.test(felt)
     way.film(felt)
@@ -129,15 +133,29 @@ def gamepad():
         log.unlink(missing_ok=True)
         wait_until("a rumble", lambda: log.exists() and log.read_text().count("\n"))
 
-    way = Way("gamepad", VISUOTACTILE_MODULES=os.path.abspath(os.environ["GAMEPADS"]), GAMEPAD_LOG=str(log))
+    os.environ.update(VISUOTACTILE_MODULES=os.path.abspath(os.environ["GAMEPADS"]), GAMEPAD_LOG=str(log))
+    way = Way("gamepad", ["visuotactile-play --driver=gamepad FILM"])
     way.device("Stand-in Gamepad")
     way.test(felt)
     way.film(felt)
     way.end("the kernel's list and SDL are stand-ins")
 
+    CHAIR.unlink()
+    film = work / "film.mkv"
+    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=1800 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
+    way = Way("gamepad in Totem", ["visuotactile-settings set driver=gamepad", "visuotactile-settings on totem", "totem FILM"])
+    way.device("Stand-in Gamepad")
+    way.decide("page", lambda: way.app.key("ctrl+3"))
+    way.decide("Totem", lambda: way.app.click("check box", "Totem"))
+    wait_until("Totem's section", lambda: "[totem]" in CHAIR.read_text(encoding="utf-8"))
+    way.decide("film", lambda: start("totem", film, stderr=subprocess.DEVNULL))
+    felt()
+    way.reach("film")
+    way.end("likewise; the film is opened as by the file manager")
+
 
 def nothing():
-    way = Way("nothing")
+    way = Way("nothing", ["visuotactile-play"])
     way.device("No hardware")
     way.test(lambda: way.app.find("label", "row 1, column 1"))
     way.film(lambda: way.app.find("label", "The chair plays"))
@@ -145,8 +163,17 @@ def nothing():
 
 
 WAYS = {way.__name__: way for way in (gamepad, vest, intiface, shaker, nothing)}
-print("| device | decisions | window, s | first motor, s | first feel of a film, s | |\n|---|---|---|---|---|---|")
+print(f"""# First feel
+
+Made by `tests/app/timeline.py`; do not edit.
+
+{os.cpu_count()} CPUs, load average {os.getloadavg()[0]:.1f} at the begin, Xvfb. The test uses the window by keys and AT-SPI, without a terminal. Times are seconds from the start of the window, and most of them
+are the test's own walks over AT-SPI. The first motor is that of the feel test. The installation of the package is not timed.
+
+Decisions in a terminal: the terminal, and each word. In the window: each choice.
+
+| device | in a terminal | in the window | window | first motor | first feel of a film | |
+|---|---|---|---|---|---|---|""", flush=True)
 for chosen in sys.argv[2:] or WAYS:
-    file = work / "config/visuotactile/chair.conf"
-    file.unlink(missing_ok=True)
+    CHAIR.unlink(missing_ok=True)
     WAYS[chosen]()
