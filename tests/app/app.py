@@ -52,7 +52,7 @@ def finds_devices():
     state.write_text("gamepad\n/dev/input/event3\nBob's pad (/dev/input/event3)\n", encoding="utf-8")
     app = App()
     app.find("label", "No device is connected")
-    app.find("toggle button", "Bob's pad (/dev/input/event3), not connected now")
+    app.find("button", "Bob's pad (/dev/input/event3), not connected now")
     # A server that listens, where Intiface does; none is connected to.
     with socket.create_server(("127.0.0.1", 12345)) as server:
         app.click("push button", "Look again")
@@ -72,17 +72,17 @@ def chooses_by_keys():
     set_chair("driver=auto", "grid=2x2", "mapping=3,2,1,0", "intensity=0.333")
     before = CHAIR.read_text(encoding="utf-8")
     app = App()
-    app.find("toggle button", "No hardware")
-    tab_to(app, "toggle button", "The board")
+    app.find("button", "No hardware")
+    tab_to(app, "button", "The board")
     focused = [Atspi.StateType.FOCUSED]
     for key, name in (("Down", "No hardware"), ("Up", "The board"), ("Down", "No hardware")):
         app.key(key)
-        app.find("toggle button", name, focused)
+        app.find("button", name, focused)
     assert CHAIR.read_text(encoding="utf-8") == before
     app.key("space")
     wait_until("the driver", lambda: "driver=simulator" in settings())
     assert settings()[:3] == ["[chair]", "driver=simulator", "intensity=0.333"], settings()
-    app.find("toggle button", "No hardware", [Atspi.StateType.PRESSED])
+    app.find("button", "No hardware", [Atspi.StateType.PRESSED])
     app.key("Up")
     app.key("Return")
     wait_until("the mapping of before", lambda: "mapping=3,2,1,0" in settings() and "driver=auto" in settings() and "grid=2x2" in settings())
@@ -100,13 +100,13 @@ def tests_what_was_chosen():
     """A device that was just chosen and a factor that was just set hold for the feel test that begins at once."""
     set_chair("driver=simulator", f"device={work / 'amplitudes.csv'}", "grid=1x1", "mute=false")
     app = App()
-    app.find("toggle button", "No hardware", [Atspi.StateType.PRESSED])
+    app.find("button", "No hardware", [Atspi.StateType.PRESSED])
     tab_to(app, "slider", "Intensity")
     app.key("Home")
     app.click("push button", "row 1, column 1")
     wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("push button", "Feel all motors"))
     assert max(levels()) == 0, levels()
-    app.click("toggle button", "The board")
+    app.click("button", "The board")
     app.click("push button", "Feel all motors")
     app.find("label", "motors are simulated")
     app.quit()
@@ -234,8 +234,8 @@ def feels_a_vest():
     assert server.stdout.readline().split()[-1] == "15881"
     begin = time.monotonic()
     app = App()
-    app.find("toggle button", "Vest of bHaptics, back")
-    tab_to(app, "toggle button", "Vest of bHaptics, back")
+    app.find("button", "Vest of bHaptics, back")
+    tab_to(app, "button", "Vest of bHaptics, back")
     app.key("space")  # 1: the device
     wait_until("the device", lambda: "device=vest-back" in settings())
     app.key("ctrl+2")  # 2: the page of films

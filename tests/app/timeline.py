@@ -30,7 +30,7 @@ class Way:
         self.times = {}
         self.begin = time.monotonic()
         self.app = App(**environment)
-        self.app.find("toggle button", "The board")
+        self.app.find("button", "The board")
         self.reach("window")
 
     def reach(self, step):
@@ -42,9 +42,9 @@ class Way:
         act()
 
     def device(self, name):
-        self.app.find("toggle button", name)
-        self.decide("device", lambda: self.app.click("toggle button", name))
-        self.app.find("toggle button", name, [Atspi.StateType.PRESSED])
+        self.app.find("button", name)
+        self.decide("device", lambda: self.app.click("button", name))
+        self.app.find("button", name, [Atspi.StateType.PRESSED])
 
     def test(self, felt):
         self.app.click("push button", "Feel all motors")
@@ -98,7 +98,7 @@ def intiface():
         way.app.key("Return")
 
     way.decide("name of the device", name_it)
-    way.app.find("toggle button", "Test Vibrator of Intiface", [Atspi.StateType.PRESSED])
+    way.app.find("button", "Test Vibrator of Intiface", [Atspi.StateType.PRESSED])
     way.test(felt)
     way.film(felt)
     way.end("Intiface is a stand-in")

@@ -49,12 +49,20 @@ ChairPage::ChairPage(const Shared &shared)
 ChairPage::~ChairPage()
 {
   *alive_ = false;
-  for (Value &value : values_)
+  for (const Value &value : values_)
     if (value.settles != 0)
-      write(value);
+      g_source_remove(value.settles);
   stop_test();
   if (tested_)
     tested_->forget();
+}
+
+void
+ChairPage::write_all()
+{
+  for (Value &value : values_)
+    if (value.settles != 0)
+      write(value);
 }
 
 GtkWidget *
@@ -243,7 +251,6 @@ ChairPage::name_intiface()
     if (device.empty())
       return;
     choose({ device, "intiface", device });
-    look();
   });
   add(line, label);
   add(line, entry);
@@ -276,7 +283,14 @@ ChairPage::choose(const Choice &choice)
   std::vector<std::string> use{ "visuotactile-settings", "use", "driver=" + choice.driver };
   if (!choice.device.empty())
     use.push_back("device=" + choice.device);
-  shared_.change(std::move(use), [this](bool) { show_settings(); });
+  const bool is_new = std::ranges::none_of(offers_, [&](const Offer &offer) {
+    return offer.choice.driver == choice.driver && offer.choice.device == choice.device;
+  });
+  shared_.change(std::move(use), [this, is_new](bool) {
+    show_settings();
+    if (is_new)
+      look();
+  });
 }
 
 /// That of the settings.
@@ -321,9 +335,7 @@ void
 ChairPage::test(int motor)
 {
   next_ = motor;
-  for (Value &value : values_)
-    if (value.settles != 0)
-      write(value);
+  write_all();
   if (tested_)
     tested_->stop();
   else

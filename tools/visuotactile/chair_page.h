@@ -30,6 +30,8 @@ public:
   void look();
   /// Shows the settings, which others may have changed.
   void show_settings();
+  /// Writes values that have not settled yet.
+  void write_all();
   /// All motors of the feel test to zero.
   void stop_test();
 

@@ -158,6 +158,7 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
 Window::~Window()
 {
   *alive_ = false;
+  chair_.write_all();
   while (wants_off_ || !changes_.empty())
     if (const std::vector<std::string> arguments = next_change().arguments; !arguments.empty())
       Command::start(arguments, {});
