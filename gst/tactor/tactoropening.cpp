@@ -2,6 +2,7 @@
 #include "tactoropening.h"
 
 #include "calibration/calibration.h"
+#include "tactor/drivers/last_device.h"
 #include "tactor/drivers/registry.h"
 #include "tactor/soft_start.h"
 #include "tactormessages.h"
@@ -139,6 +140,10 @@ open_tactors(GstElement *element, TactorOpening opening,
   }
 
   const tactor::Driver &driver = *output.driver;
+  if (const std::string board = driver.status().board; board != "simulator")
+    tactor::remember_device({ .driver = settings.driver == "auto" ? "firmata" : settings.driver,
+                              .device = settings.device,
+                              .board = board });
   tactor::PlannerSettings planner = settings.planner;
   planner.transport_latency = driver.transport_latency();
   planner.line = driver.line();

@@ -21,11 +21,12 @@ constexpr Time kWakeMargin = std::chrono::milliseconds(10);
 /// At most one message about short leads in this time.
 constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 
-/// The render-delay for the longest latency on the way to a motor.
+/// The render-delay for the longest latency on the way to a motor, and for a user's delay below 0.
 GstClockTime
-lead_of(Time max_lead, Time latency)
+lead_of(Time max_lead, Time latency, Time delay)
 {
-  return static_cast<GstClockTime>((max_lead + latency + kWakeMargin).count());
+  const Time early = std::max(-delay, Time(0));
+  return static_cast<GstClockTime>((max_lead + latency + early + kWakeMargin).count());
 }
 
 } // namespace
@@ -65,9 +66,10 @@ TactorSession::open(const TactorSettings &settings)
   }
   last_lead_short_.reset();
   // The board's latency is not known yet; that of the last play may well hold.
-  gst_base_sink_set_render_delay(sink_,
-                                 std::max(gst_base_sink_get_render_delay(sink_),
-                                          lead_of(settings.planner.max_lead, prepared->latency)));
+  gst_base_sink_set_render_delay(
+      sink_,
+      std::max(gst_base_sink_get_render_delay(sink_),
+               lead_of(settings.planner.max_lead, prepared->latency, settings.delay_time())));
   scheduler_.set_immediate(!gst_base_sink_get_sync(sink_));
   const auto open_board = [this, opening = std::make_shared<TactorOpening>(std::move(*prepared))](
                               std::stop_token stop) {
@@ -160,7 +162,7 @@ TactorSession::read_timing() const
 {
   const guint64 reading = ++readings_;
   const GstClockTimeDiff delay = static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
-                                 + gst_base_sink_get_ts_offset(sink_);
+                                 + gst_base_sink_get_ts_offset(sink_) + users_delay_;
   TactorTiming timing(gst_element_get_clock(element_),
                       static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_)) + delay);
   const std::lock_guard lock(timing_mutex_);
@@ -174,7 +176,7 @@ TactorSession::read_timing() const
 
 /// On the scheduler's thread. It does not wait for the object lock, which any thread of the
 /// application may have: its holder would get no CPU time on a busy machine while a motor is on.
-/// Code that changes latency or ts-offset reads the timing afterwards.
+/// Code that changes latency, ts-offset or delay reads the timing afterwards.
 TactorTiming
 TactorSession::glance_at_timing() const
 {
@@ -186,6 +188,13 @@ TactorSession::glance_at_timing() const
                          static_cast<GstClockTimeDiff>(element_->base_time) + delay_);
   GST_OBJECT_UNLOCK(element_);
   return timing_;
+}
+
+void
+TactorSession::set_delay(Time delay)
+{
+  users_delay_ = delay.count();
+  timing_changed();
 }
 
 void
@@ -215,7 +224,8 @@ TactorSession::agree_on_lead()
   const bool live = latency::is_live(GST_BASE_SINK_PAD(sink_));
   if (live)
     tactors_->latency = tactors_->live_latency;
-  gst_base_sink_set_render_delay(sink_, lead_of(tactors_->planner.max_lead, tactors_->latency));
+  gst_base_sink_set_render_delay(
+      sink_, lead_of(tactors_->planner.max_lead, tactors_->latency, Time(users_delay_)));
   return live;
 }
 

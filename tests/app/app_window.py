@@ -97,10 +97,11 @@ class App:
         return found
 
     def find_now(self, role, name, states=()):
+        """GTK 4.8 and 4.18 have different buttons: `role` may be a part of it."""
         def is_it(node):
             try:
                 state = node.get_state_set()
-                return (not role or node.get_role_name() == role) and name in (node.get_name() or "") and state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
+                return role in node.get_role_name() and name in (node.get_name() or "") and state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
             except GLib.Error:
                 return False
 
