@@ -33,7 +33,7 @@ struct CueLimits
 class CueLimiter
 {
 public:
-  /// A motor takes up to 150 ms to follow (paper, Section 4), so a shorter break is not felt.
+  /// A motor takes up to 180 ms to rise (paper, Eq. 1), so that a shorter break is not felt.
   static constexpr Time kShortestRest = std::chrono::milliseconds(100);
   /// Two to three times the just-noticeable difference in vibration amplitude, which is 20 to 33 %.
   static constexpr float kStrongerRatio = 1.5F;

@@ -15,7 +15,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <sys/stat.h>
 
 namespace {
 
@@ -40,10 +39,8 @@ constexpr const char *kProgram = "visuotactile-study";
 void
 write_private(const std::string &path, const std::string &text)
 {
-  const mode_t mask = umask(077);
-  const auto written = files::replace_file(path, text);
-  umask(mask);
-  if (const std::string warning = or_throw(written); !warning.empty())
+  const std::string warning = or_throw(files::replace_file(path, text, files::Readers::user));
+  if (!warning.empty())
     print_error(kProgram, warning);
 }
 
