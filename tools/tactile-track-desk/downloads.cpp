@@ -31,8 +31,9 @@ Routes::draft(SoupServerMessage *message, std::string_view)
 {
   if (!draft_.track())
     return answer_error(message, 404,
-                        draft_.has_failed() ? "no draft could be authored"
-                                            : "the draft is being authored; wait for progress");
+                        !draft_.failure().empty()
+                            ? "no draft could be authored"
+                            : "the draft is being authored; wait for progress");
   const auto document = desk::Document::read(
       tactile::write_track(*draft_.track(), tactile::TrackFormat::webvtt, ""));
   if (!document)

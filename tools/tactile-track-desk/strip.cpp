@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "strip.h"
 
+#include "glance.h"
+
 #include "files/whole_file.h"
-#include "film/background.h"
 #include "film/frame_times.h"
 #include "film/sound.h"
 #include "frame/front_end.h"
@@ -18,7 +19,7 @@
 
 namespace {
 
-constexpr const char *kMadeWith = "strip=1 version=" PACKAGE_VERSION;
+constexpr const char *kMadeWith = "strip=2 version=" PACKAGE_VERSION;
 constexpr const char *kKept = "(xaayayaxx)"; ///< interval, pictures, peaks, cuts, their end
 constexpr std::size_t kMostKept = std::size_t{ 64 } << 20;
 constexpr int kWidth = 160;                  ///< of a picture, pixels
@@ -84,53 +85,57 @@ Strip::Strip(const Film &film, const std::string &path)
   interval_ = duration_ > 0 ? std::max(kLeast, (duration_ + static_cast<gint64>(kMostPictures) - 1)
                                                    / static_cast<gint64>(kMostPictures))
                             : kUnknown;
-  constexpr gint64 kAtOnce = 10 * 60'000; // ms: shorter films are soon decoded
-  constexpr std::size_t kGlances = 100;
   if (load())
     progress_ = 1;
-  else if (duration_ < kAtOnce)
-    begin(film);
-  else
-    glance_ = std::make_unique<Glance>(
-        film, width_, height_, static_cast<gint64>((total() + kGlances - 1) / kGlances) * interval_,
-        Glance::Events{ .taken =
-                            [this](gint64 ms, std::string jpeg) {
-                              const std::lock_guard lock(mutex_);
-                              if (!jpeg.empty())
-                                glances_[static_cast<std::size_t>(ms / interval_)]
-                                    = std::move(jpeg);
-                            },
-                        .done =
-                            [this, film] {
-                              glanced(film);
-                            } });
 }
 
-/// Called by GLib, which is C.
-void
-Strip::glanced(const Film &film)
+Strip::~Strip() = default;
+
+gint64
+Strip::glances() const
 {
-  try {
-    begin(film);
-  } catch (const std::exception &) {
-    const std::lock_guard lock(mutex_);
-    progress_ = -1;
-  }
+  constexpr gint64 kSoon = 10 * 60'000; // ms: shorter films are soon decoded
+  constexpr std::size_t kGlances = 100;
+  return is_whole() || duration_ < kSoon
+             ? 0
+             : static_cast<gint64>((total() + kGlances - 1) / kGlances) * interval_;
+}
+
+void
+Strip::glimpse(gint64 ms, std::string jpeg)
+{
+  const std::lock_guard lock(mutex_);
+  if (!jpeg.empty())
+    glances_[static_cast<std::size_t>(ms / interval_)] = std::move(jpeg);
+}
+
+void
+Strip::glanced()
+{
   const std::lock_guard lock(mutex_);
   has_glanced_ = true;
 }
 
-void
-Strip::begin(const Film &film)
+std::string
+Strip::line(const Film &film) const
 {
-  std::string line = small_frames(film, width_, height_);
+  std::string line = " split.src ! queue max-size-buffers=4 max-size-bytes=0 max-size-time=0"
+                     + small_pictures(width_, height_);
   if (film.has_sound)
     line += heard_sound(kQueue, nullptr)
             + "audio/x-raw,format=S16LE,layout=interleaved ! appsink name=ear sync=false "
               "max-buffers=16";
-  pipeline_ = make_pipeline(line);
+  return line;
+}
+
+void
+Strip::listen(const Pipeline &pipeline)
+{
   const auto listen = [&](const char *name, auto new_sample) {
-    const Owned<GstElement> sink = element(pipeline_, name);
+    const Owned<GstElement> sink = element(pipeline, name);
+    if (!sink)
+      return;
+    g_object_set(sink.get(), "async", FALSE, nullptr); // the maps, which come before, do not wait
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = new_sample;
     gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
@@ -143,54 +148,30 @@ Strip::begin(const Film &film)
     }
     return GST_FLOW_OK;
   });
-  if (film.has_sound) {
-    listen("ear", [](GstAppSink *sink, gpointer self) {
-      if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
-        static_cast<Strip *>(self)->on_sound(sample);
-        gst_sample_unref(sample);
-      }
-      return GST_FLOW_OK;
-    });
-    g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
+  listen("ear", [](GstAppSink *sink, gpointer self) {
+    if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
+      static_cast<Strip *>(self)->on_sound(sample);
+      gst_sample_unref(sample);
+    }
+    return GST_FLOW_OK;
+  });
+  if (element(pipeline, "ear"))
+    g_signal_connect(element(pipeline, "film").get(), "no-more-pads",
                      G_CALLBACK(+[](GstElement *, gpointer top) {
                        end_missing_sound(static_cast<GstElement *>(top));
                      }),
-                     pipeline_.get());
-  }
-  const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
-  run_in_background(pipeline_.get());
-  watch_ = gst_bus_add_watch(
-      bus.get(),
-      +[](GstBus *, GstMessage *message, gpointer self) {
-        return static_cast<Strip *>(self)->on_message(message);
-      },
-      this);
-  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE) {
-    const std::lock_guard lock(mutex_);
-    progress_ = -1;
-  }
+                     pipeline.get());
 }
 
-Strip::~Strip()
+void
+Strip::end(const std::string &failure)
 {
-  if (watch_ != 0)
-    g_source_remove(watch_);
-  pipeline_.reset();
-}
-
-gboolean
-Strip::on_message(GstMessage *message)
-{
-  const bool failed = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
-  if (!failed && GST_MESSAGE_TYPE(message) != GST_MESSAGE_EOS)
-    return G_SOURCE_CONTINUE;
-  watch_ = 0;
-  pipeline_.reset();
+  if (is_whole())
+    return;
   const std::lock_guard lock(mutex_);
-  progress_ = failed ? -1 : 1;
-  if (!failed)
+  progress_ = failure.empty() ? 1 : -1;
+  if (failure.empty())
     keep();
-  return G_SOURCE_REMOVE;
 }
 
 bool

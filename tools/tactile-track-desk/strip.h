@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "glance.h"
-
 #include "film/film.h"
 #include "film/film_cache.h"
 #include "film/pipeline.h"
@@ -16,15 +14,14 @@
 #include <vector>
 
 /// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
-/// during one pass over the film, in the background, and are kept for the next time. A long film
-/// first has some of its key frames. Any thread.
+/// while the film is read, and are kept for the next time. Any thread.
 class Strip
 {
 public:
   static constexpr std::size_t kMostPictures = 1000;
   static constexpr gint64 kPeak = 10; ///< ms
 
-  /// `path`: the film's file.
+  /// Has what is kept. `path`: the film's file.
   Strip(const Film &film, const std::string &path);
   ~Strip();
   Strip(const Strip &) = delete;
@@ -32,6 +29,23 @@ public:
 
   /// 0 to 1; < 0: it failed.
   double progress() const;
+  bool is_whole() const
+  {
+    return progress() == 1;
+  }
+
+  /// ms between the key frames that come first; 0: none, it is whole, or soon.
+  gint64 glances() const;
+  /// The picture of the last key frame before a moment.
+  void glimpse(gint64 ms, std::string jpeg);
+  void glanced();
+
+  /// Continues the line of make_analysis().
+  std::string line(const Film &film) const;
+  /// Before the pipeline with the line starts.
+  void listen(const Pipeline &pipeline);
+  /// After all of the film, or with what failed.
+  void end(const std::string &failure);
 
   int width() const
   {
@@ -60,13 +74,10 @@ public:
 private:
   class Eye; ///< sees cuts
 
-  void glanced(const Film &film);
-  void begin(const Film &film);
   bool load();
   void keep() const;
   void on_frame(GstSample *sample);
   void on_sound(GstSample *sample);
-  gboolean on_message(GstMessage *message);
 
   const std::string path_;
   const FilmCache cache_;
@@ -84,7 +95,4 @@ private:
   std::string peaks_;
   Cuts cuts_;
   double progress_ = 0;
-  guint watch_ = 0;
-  Pipeline pipeline_;
-  std::unique_ptr<Glance> glance_;
 };
