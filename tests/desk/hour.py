@@ -200,6 +200,7 @@ class Hour:
             if self.page.track() != before:
                 self.page.keys("j", (Keys.CONTROL, "z"))
                 assert self.page.track() == before, f"{kind} cannot be undone"
+            self.level = int(self.page.js("return document.getElementById('level-value').textContent").split()[0])  # a drag may have set it
             if done:
                 self.tries[kind].append(number)
                 return
