@@ -255,7 +255,7 @@ the desk is started again under the open page, and all is undone. "Instead" is w
 
 CAPTION
       TRACK="$built/tools/tactile-track" VISUOTACTILE_DESK="$built/tools/tactile-track-desk" VISUOTACTILE_DESK_PAGE="$root/tools/tactile-track-desk/page" \
-        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/hour.py" 400
+        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/hour.py" 200
       cat <<'CAPTION'
 
 ## Beside its peers
