@@ -249,7 +249,7 @@ CAPTION
 ## An hour of editing
 
 Chromium at 1366 x 768 is driven by real keys and a pointer that misses its target by 1.5 pixels (standard deviation),
-with 15 s in view. After each edit the desk's track is compared with a model; an edit that is not as it was meant is
+with 12 s in view. After each edit the desk's track is compared with a model; an edit that is not as it was meant is
 undone and tried again. Every 60 edits the track is saved and validated, every 100 the page is loaded again; in the end
 the desk is started again under the open page, and all is undone. "Instead" is what wrong tries did.
 
