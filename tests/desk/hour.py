@@ -200,6 +200,7 @@ class Hour:
             if self.page.track() != before:
                 self.page.keys("j", (Keys.CONTROL, "z"))
                 assert self.page.track() == before, f"{kind} cannot be undone"
+            self.level = int(self.page.js("return document.getElementById('level-value').textContent").split()[0])  # a drag may have set it
             if done:
                 self.tries[kind].append(number)
                 return
@@ -250,7 +251,7 @@ def main():
             page.save()
             assert (folder / "film.vtt").read_bytes() == (folder / "before.vtt").read_bytes()
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    print(f"{sum(map(len, hour.tries.values()))} edits, {sum(map(sum, hour.tries.values()))} tries, {time.monotonic() - begin:.0f} s; all undone, the file is as it was")
+    print(f"{sum(map(len, hour.tries.values()))} edits, {sum(map(sum, hour.tries.values()))} tries, {time.monotonic() - begin:.0f} s; all undone, the file is as it was\n")
     print("| edit | times | at the first try | instead |\n|---|---|---|---|")
     for kind, tries in sorted(hour.tries.items()):
         instead = ", ".join(f"{what.split(': ')[1]} {times}" for what, times in hour.instead.items() if what.startswith(kind))
