@@ -5,6 +5,7 @@
 host.py --install [FOLDER]    tells Chromium, whose settings are in FOLDER (~/.config/chromium), of this program
 """
 import json
+import os
 import pathlib
 import shutil
 import struct
@@ -53,23 +54,26 @@ def status():
     except GLib.Error:
         return {"runs": False}
     found, = answer.unpack()
-    return {"runs": True, "film": found["Film"], "track": found["Track"] or found["Fault"], "library": found["Library"]}
+    return {"runs": True} | {name: found.get(name.capitalize(), "") for name in ("film", "track", "fault", "library")}
 
 
 def choose():
     chooser = next((words for words in CHOOSERS if shutil.which(words[0])), None)
     if chooser is None:
         raise RuntimeError("There is no program to choose a file: install zenity or kdialog.")
-    return subprocess.run(chooser, stdout=subprocess.PIPE, text=True, check=False).stdout.strip()
+    return os.fsdecode(subprocess.run(chooser, stdout=subprocess.PIPE, check=False).stdout).rstrip("\n")
 
 
-def make():
+def make(shown):
+    """The track of the film that the button showed."""
     now = status()
     film, folder = now.get("film", ""), pathlib.Path(now.get("library", ""))
-    if not film or not now["library"] or not folder.is_dir():
+    if not film or not folder.is_absolute() or not folder.is_dir():
         raise RuntimeError("No film plays, or visuotactile-follow has no folder of tracks.")
+    if film != shown:
+        raise RuntimeError(f"Another film plays now: “{film}”.")
     track = folder / f"{film}.vtt"
-    if "/" in film or len(track.name.encode()) > LONGEST:
+    if film.startswith(".") or "/" in film or not film.isprintable() or len(track.name.encode()) > LONGEST:
         raise RuntimeError("The film's title is no name for a file.")
     if track.exists():
         raise RuntimeError(f"“{track}” exists already.")
@@ -77,7 +81,7 @@ def make():
     if not file:
         return "No file was chosen."
     send({"text": f"A track of “{file}” is being made …", "badge": "…"})
-    done = subprocess.run(["tactile-track", "author", file, "-o", str(track)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(["tactile-track", "author", file, "-o", str(track)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", check=False)
     if done.returncode != 0:
         raise RuntimeError(f"No track was made: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'tactile-track failed'}")
     return f"“{film}” has a track now: {track}"
@@ -89,7 +93,7 @@ def main():
         return
     while (message := receive()) is not None:
         try:
-            send(status() if message.get("ask") == "status" else {"text": make(), "badge": ""})
+            send(status() if message.get("ask") == "status" else {"text": make(message.get("film")), "badge": ""})
         except (OSError, RuntimeError) as error:
             send({"text": str(error), "badge": "!"})
 

@@ -5,6 +5,8 @@
 
 const HOST = "org.visuotactile.offer";
 const FOUND = 3000; // ms after which visuotactile-follow has found a track, if there is one
+let timer; // of the one look that is to come; each starts a program
+let looks = false;
 
 function show(text, title) {
     chrome.action.setBadgeText({ text });
@@ -12,32 +14,40 @@ function show(text, title) {
 }
 
 async function look() {
+    if (looks)
+        return;
+    looks = true;
     try {
-        const { film, track } = await chrome.runtime.sendNativeMessage(HOST, { ask: "status" });
-        if (film && !track)
+        const { film, track, fault } = await chrome.runtime.sendNativeMessage(HOST, { ask: "status" });
+        if (film && !track && !fault)
             show("+", `No track for “${film}”: make one`);
         else
             show("", "Visuotactile");
     } catch {
         // Without the host there is no offer; the button says how to install it.
+    } finally {
+        looks = false;
     }
 }
 
 // The button's page closes when the file is chosen, so that this one listens to the host.
-function make() {
+function make(film) {
     const port = chrome.runtime.connectNative(HOST);
+    port.onDisconnect.addListener(() => show("!", "host.py ended before the track was made."));
     port.onMessage.addListener(({ text, badge }) => {
         show(badge, text);
         chrome.runtime.sendMessage({ text }).catch(() => {}); // the button's page may be closed
         if (badge !== "…")
             port.disconnect();
     });
-    port.postMessage({ ask: "make" });
+    port.postMessage({ ask: "make", film });
 }
 
 chrome.runtime.onMessage.addListener(({ playing, wanted }) => {
-    if (playing)
-        setTimeout(look, FOUND);
+    if (playing) {
+        clearTimeout(timer);
+        timer = setTimeout(look, FOUND);
+    }
     if (wanted)
-        make();
+        make(wanted);
 });

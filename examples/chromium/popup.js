@@ -3,14 +3,18 @@
 
 const text = document.getElementById("text");
 const button = document.getElementById("make");
+let shown; // the film that a click is about
 
-function told({ film, track, library, runs }) {
+function told({ film, track, fault, library, runs }) {
     if (!runs)
         return "visuotactile-follow does not run. Start it first.";
     if (!film)
         return "No film plays.";
     if (track)
         return `“${film}” is felt: ${track}.`;
+    if (fault)
+        return `“${film}” is not felt: ${fault}.`;
+    shown = film;
     button.hidden = !library;
     return `There is no track for “${film}”.` + (library ? "" : " Start visuotactile-follow with --tracks=FOLDER to keep one.");
 }
@@ -20,7 +24,7 @@ chrome.runtime.sendNativeMessage("org.visuotactile.offer", { ask: "status" }).th
     () => { text.textContent = "To make tracks from here, run “host.py --install” in the extension’s folder once."; });
 button.addEventListener("click", () => {
     button.hidden = true;
-    chrome.runtime.sendMessage({ wanted: true });
+    chrome.runtime.sendMessage({ wanted: shown });
 });
 chrome.runtime.onMessage.addListener((message) => {
     if (message.text)

@@ -48,7 +48,8 @@ FilmTrack::FilmTrack(Settings settings, Events events)
 }
 
 void
-FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Track> &known)
+FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Track> &known,
+                std::optional<Time> length)
 {
   probe_.reset();
   search_.reset();
@@ -71,6 +72,8 @@ FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Tr
   }
   std::erase_if(passed_over_, [this](const std::string &path) { return has_changed(path); });
   file_ = { .complaint = "it is no file on this computer" };
+  file_.duration = length;
+  has_new_length_ = false;
   const auto beside = library_.beside(film, passed_over_, complaint_);
   probe();
   is_beside_ = beside.has_value();
@@ -86,11 +89,11 @@ FilmTrack::take_length(Time length)
   if (film_.empty() || probe_ || file_.has_picture || file_.duration == length)
     return;
   file_.duration = length;
-  if (what_.empty() && fault_.empty() && !is_looking())
-    look_in_library();
+  has_new_length_ = true;
 }
 
-/// A track that is put into the library while its film plays is found.
+/// A track that is put into the library while its film plays is found, and a film whose length the
+/// player reports late.
 void
 FilmTrack::look_again(Time now)
 {
@@ -99,7 +102,8 @@ FilmTrack::look_again(Time now)
     return;
   looked_at_ = now;
   const auto changed = changed_at(settings_.library);
-  if (std::exchange(library_changed_, changed) != changed)
+  const bool is_other = std::exchange(library_changed_, changed) != changed;
+  if (std::exchange(has_new_length_, false) || is_other)
     look_in_library();
 }
 

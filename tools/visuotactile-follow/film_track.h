@@ -41,11 +41,12 @@ public:
   FilmTrack(Settings settings, Events events);
 
   /// Drops the track, and searches for that of `film`, the name that a player reports; empty: none.
-  /// `known`: the track, if the player has it.
-  void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr);
+  /// `known`: the track, if the player has it. `length`: as in take_length().
+  void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr,
+            std::optional<follow::Time> length = {});
 
   /// The film's length, as the player reports it, by which a film without a file is found in the
-  /// library.
+  /// library: at once in open(), later by the next look.
   void take_length(follow::Time length);
 
   /// Skips the film's faulty track until its file changes, and continues the search. Throws
@@ -105,6 +106,7 @@ private:
   const DraftCache cache_;
   std::optional<library::FileVersion> made_of_; ///< the file of the draft's film
   std::string film_;
+  bool has_new_length_ = false;
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;
   std::string what_;

@@ -407,9 +407,10 @@ Follower::change_film()
   track_.reset();
   cues_.set_track(nullptr);
   chair_.take(cues_.step({}, local_time(), chair_.ahead()));
-  film_track_.open(film, current_ != nullptr ? current_->player->track() : nullptr);
-  if (current_ != nullptr && current_->last.length)
-    film_track_.take_length(*current_->last.length);
+  if (current_ != nullptr)
+    film_track_.open(film, current_->player->track(), current_->last.length);
+  else
+    film_track_.open(film);
 }
 
 void

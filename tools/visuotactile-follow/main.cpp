@@ -233,8 +233,10 @@ run(const Options &options)
   };
   // A folder may come later, and an address is no file.
   std::error_code error;
-  if (const std::string tracks = options.tracks.text();
-      std::filesystem::exists(tracks, error) && !std::filesystem::is_directory(tracks, error))
+  std::string tracks = options.tracks.text();
+  if (std::filesystem::is_directory(tracks, error))
+    tracks = std::filesystem::absolute(tracks, error).string(); // programs ask for it on the bus
+  else if (std::filesystem::exists(tracks, error))
     throw std::runtime_error("'" + tracks
                              + "' is not a folder; expected a folder or an address for --tracks");
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set()
@@ -242,7 +244,7 @@ run(const Options &options)
   std::optional<FilmListener::Settings> listens;
   if (options.listen && !options.list)
     listens = { .source = *options.listen,
-                .library = options.tracks.text(),
+                .library = tracks,
                 .latency = follow::Time(std::llround(options.listen_latency * 1e6)) };
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
@@ -254,7 +256,7 @@ run(const Options &options)
         .listens = listens,
         .uses_bus = any || options.mpris.is_set(),
         .mpris = options.mpris.text(),
-        .track = { .library = options.tracks.text(),
+        .track = { .library = tracks,
                    .makes_drafts = options.no_drafts == FALSE,
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
         .sink = options.chair.sink_line(),

@@ -28,7 +28,9 @@ tokens_of(const std::string &path, std::size_t count)
   const auto file = files::open_regular(path);
   if (!file || !is_private(*file))
     return {};
-  const auto text = files::read_whole(*file, path, count * (kDigits + 1));
+  auto text = files::read_whole(*file, path, count * (kDigits + 1));
+  if (text && text->size() == count * (kDigits + 1) - 1)
+    *text += '\n'; // of an earlier version
   if (!text || text->size() != count * (kDigits + 1))
     return {};
   std::vector<std::string> tokens;

@@ -166,10 +166,10 @@ class Page {
     this.sync.retry();
   }
 
-  /** The track as the desk has it, which may be another one. */
+  /** The track as the desk has it, which may be another one. Returns whether edits do not fit it, and are kept. */
   async load() {
     const data = await desk.get('track');
-    this.sync.reload(this.newTrack(data.cues), data.revision, data.saved);
+    return this.sync.reload(this.newTrack(data.cues), data.revision, data.saved);
   }
 
   /** @param {string|null} writer the page that writes */
@@ -243,8 +243,8 @@ class Page {
     this.reloading = true;
     const why = this.sync.text;
     try {
-      await this.load();
-      offerKept(this.sync, `${why}. The desk's track was loaded again.`);
+      if (await this.load())
+        offerKept(this.sync, `${why}. The desk's track was loaded again.`);
     } finally {
       this.reloading = false;
     }

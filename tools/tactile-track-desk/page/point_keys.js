@@ -114,6 +114,10 @@ export class PointKeys {
       return;
     }
     const one = Math.ceil(frame);
+    if (frames && after.ms - before.ms < 2 * one) {
+      this.timeline.say('There is no room between the points beside it');
+      return;
+    }
     const ms = frames ? Math.min(Math.max(Math.round(point.ms + frames * frame), before.ms + one), after.ms - one) : point.ms;
     const moved = { ms, level: Math.min(Math.max(point.level + level, 1), 100) };
     this.#write({ cell, index, points: points.with(index, moved) }, 'Point', gesture);
@@ -135,8 +139,11 @@ export class PointKeys {
       return;
     }
     this.#edits = true;
-    timeline.history.do(paint(this.#track, spansOf(held.cell, held.points, timeline.frame)), { label: 'Curve', gesture });
-    this.#edits = false;
+    try {
+      timeline.history.do(paint(this.#track, spansOf(held.cell, held.points, timeline.frame)), { label: 'Curve', gesture });
+    } finally {
+      this.#edits = false;
+    }
     this.#hold(held);
     this.#say(what);
   }

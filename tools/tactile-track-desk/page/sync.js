@@ -188,13 +188,15 @@ export class Sync extends EventTarget {
   /**
    * The track as the desk has it now. If edits that are not sent fit it, they are sent, and nothing else
    * changes: the desk was started again, and counts anew. Otherwise it is taken, and the edits are in `kept`.
+   * @returns {boolean} whether edits were put there
    */
   reload(track, revision, saved) {
     const queue = this.#queue;
     const print = track.fingerprint;
     if (queue[0]?.after === print && queue[0].before !== print) queue.shift(); // its answer was lost
     const fits = this.#problem?.state !== 'refused' && print === (queue[0]?.before ?? this.#print);
-    if (!fits && queue.length > 0) this.#keep(queue, this.text, this.history.track.cues);
+    const keeps = !fits && queue.length > 0;
+    if (keeps) this.#keep(queue, this.text, this.history.track.cues);
     if (!fits) this.#queue = [];
     this.#problem = null;
     Object.assign(this, { revision, saved });
@@ -202,6 +204,7 @@ export class Sync extends EventTarget {
     if (!fits) this.history.reset(track);
     this.#tell();
     if (this.#queue.length > 0) this.#run();
+    return keeps;
   }
 
   /**
