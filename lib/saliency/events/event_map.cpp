@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace saliency {
 
@@ -14,6 +15,7 @@ constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger,
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
+constexpr double kFine = 0.5;          ///< σ of fine texture, in those of the blur
 // A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
 // while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
@@ -143,42 +145,7 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
 int
 EventMap::reach(cv::Size map)
 {
-  return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
-}
-
-/// Gaussian, with nothing outside.
-void
-EventMap::blur(cv::Mat &map)
-{
-  const double sigma = blur_sigma(map.size());
-  const int reach = EventMap::reach(map.size());
-  if (sigma != sigma_) {
-    sigma_ = sigma;
-    weights_.clear();
-    double sum = 0;
-    for (int i = -reach; i <= reach; ++i)
-      sum += std::exp(-0.5 * i * i / (sigma * sigma));
-    for (int i = -reach; i <= reach; ++i)
-      weights_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum));
-  }
-  clear(map.size(), along_rows_);
-  for (int y = 0; y < map.rows; ++y)
-    for (int i = -reach; i <= reach; ++i) {
-      const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      const auto *in = map.ptr<float>(y);
-      auto *out = along_rows_.ptr<float>(y);
-      for (int x = std::max(0, -i); x < std::min(map.cols, map.cols - i); ++x)
-        out[x] += weight * in[x + i];
-    }
-  clear(map.size(), map);
-  for (int y = 0; y < map.rows; ++y)
-    for (int i = std::max(-reach, -y); i <= std::min(reach, map.rows - 1 - y); ++i) {
-      const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      const auto *in = along_rows_.ptr<float>(y + i);
-      auto *out = map.ptr<float>(y);
-      for (int x = 0; x < map.cols; ++x)
-        out[x] += weight * in[x];
-    }
+  return Blur::reach(blur_sigma(map));
 }
 
 /// The map from samples of now to samples of `then`.
@@ -188,20 +155,49 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
+/// The change at the level of the map.
+const cv::Mat &
+EventMap::pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &pooled)
+{
+  const cv::Mat *finer = &change;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(octaves); ++i) {
+    reductions_[i](*finer, pooled[i]);
+    finer = &pooled[i];
+  }
+  return *finer;
+}
+
+/// Lowers fine texture that moves by itself, such as text, where brighter and darker samples lie
+/// side by side; a thing has one sign over its size.
+void
+EventMap::weigh_coherence(const Look &look, const cv::Mat &change, cv::Mat &map)
+{
+  static const double kSig = getenv("SIG") ? atof(getenv("SIG")) : kFine;
+  static const double kGainR = getenv("GR") ? atof(getenv("GR")) : 1;
+  static const double kPow = getenv("POW") ? atof(getenv("POW")) : 1;
+  change.copyTo(nearby_);
+  pool(unexplained_.signed_change(), look.octaves, signed_).copyTo(signed_nearby_);
+  const double sigma = kSig * blur_sigma(map.size());
+  fine_blur_(nearby_, sigma);
+  fine_blur_(signed_nearby_, sigma);
+  for (std::size_t i = 0; i < map.total(); ++i)
+    if (const float all = nearby_.ptr<float>()[i]; all > 0)
+      map.ptr<float>()[i] *= std::min(1.0F, (float)kGainR * std::pow(std::abs(signed_nearby_.ptr<float>()[i]) / all, (float)kPow));
+}
+
 /// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
-  for (int i = 0; i < look.octaves; ++i) {
-    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
-    pooled = &pooled_[static_cast<std::size_t>(i)];
-  }
+  const cv::Mat &change
+      = pool(unexplained_(look.picture, then.lab, before), look.octaves, pooled_);
   map.create(look.contrast.size(), CV_32FC1);
   for (std::size_t i = 0; i < map.total(); ++i)
-    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
+    map.ptr<float>()[i] = std::min(kMost, change.ptr<float>()[i]);
+  if (displacement(before, look.picture.size()) < kLeastWay)
+    weigh_coherence(look, change, map);
   weigh_onsets(look, then, before, map);
-  blur(map);
+  blur_(map, blur_sigma(map.size()));
 }
 
 /// A thing that appears is an event for half a second, as long as it stays, before a camera at
