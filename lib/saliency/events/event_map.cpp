@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace saliency {
 
@@ -167,35 +166,32 @@ EventMap::pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &poole
   return *finer;
 }
 
-/// Lowers fine texture that moves by itself, such as text, where brighter and darker samples lie
-/// side by side; a thing has one sign over its size.
+/// Lowers fine texture that moves, such as text: what gets brighter there lies beside what gets
+/// darker, while a thing has one sign over its size. Errors of the camera's motion have both signs,
+/// too: the more it moves, the less is lowered.
 void
-EventMap::weigh_coherence(const Look &look, const cv::Mat &change, cv::Mat &map)
+EventMap::weigh_coherence(int octaves, const cv::Mat &change, double way, cv::Mat &map)
 {
-  static const double kSig = getenv("SIG") ? atof(getenv("SIG")) : kFine;
-  static const double kGainR = getenv("GR") ? atof(getenv("GR")) : 1;
-  static const double kPow = getenv("POW") ? atof(getenv("POW")) : 1;
   change.copyTo(nearby_);
-  pool(unexplained_.signed_change(), look.octaves, signed_).copyTo(signed_nearby_);
-  const double sigma = kSig * blur_sigma(map.size());
+  pool(unexplained_.signed_change(), octaves, signed_).copyTo(signed_nearby_);
+  const double sigma = kFine * blur_sigma(map.size());
   fine_blur_(nearby_, sigma);
   fine_blur_(signed_nearby_, sigma);
+  const auto kept = static_cast<float>(std::min(1.0, way / kLeastWay));
   for (std::size_t i = 0; i < map.total(); ++i)
     if (const float all = nearby_.ptr<float>()[i]; all > 0)
-      map.ptr<float>()[i] *= std::min(1.0F, (float)kGainR * std::pow(std::abs(signed_nearby_.ptr<float>()[i]) / all, (float)kPow));
+      map.ptr<float>()[i] *= kept + (1 - kept) * std::abs(signed_nearby_.ptr<float>()[i]) / all;
 }
 
 /// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  const cv::Mat &change
-      = pool(unexplained_(look.picture, then.lab, before), look.octaves, pooled_);
+  const cv::Mat &change = pool(unexplained_(look.picture, then.lab, before), look.octaves, pooled_);
   map.create(look.contrast.size(), CV_32FC1);
   for (std::size_t i = 0; i < map.total(); ++i)
     map.ptr<float>()[i] = std::min(kMost, change.ptr<float>()[i]);
-  if (displacement(before, look.picture.size()) < kLeastWay)
-    weigh_coherence(look, change, map);
+  weigh_coherence(look.octaves, change, displacement(before, look.picture.size()), map);
   weigh_onsets(look, then, before, map);
   blur_(map, blur_sigma(map.size()));
 }

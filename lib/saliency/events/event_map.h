@@ -81,7 +81,7 @@ private:
   Similarity motion_since(const Picture &then, const Look &look) const;
   void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   const cv::Mat &pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &pooled);
-  void weigh_coherence(const Look &look, const cv::Mat &change, cv::Mat &map);
+  void weigh_coherence(int octaves, const cv::Mat &change, double way, cv::Mat &map);
   void hold_onsets(const Look &look);
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
