@@ -14,7 +14,9 @@ constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger,
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
-constexpr double kFine = 0.5;          ///< σ of fine texture, in those of the blur
+// A thing has a coherence of at least kThing.
+constexpr double kFine = 0.5; ///< σ of coherence, in those of the blur
+constexpr float kThing = 0.8F;
 // A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
 // while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
@@ -137,7 +139,9 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
       const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
       const float gone = kGone * then.contrast.ptr<float>(py)[px];
       const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
-      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
+      const float weight = std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
+      map.ptr<float>(y)[x] *= weight;
+      signed_map_.ptr<float>(y)[x] *= weight;
     }
 }
 
@@ -167,20 +171,25 @@ EventMap::pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &poole
 }
 
 /// Lowers fine texture that moves, such as text: what gets brighter there lies beside what gets
-/// darker, while a thing has one sign over its size. Errors of the camera's motion have both signs,
-/// too: the more it moves, the less is lowered.
+/// darker, while a thing has one sign over its size. At the picture's edge one side is unseen.
+/// Errors of the camera's motion have both signs, too: the more it moves, the less is lowered.
 void
-EventMap::weigh_coherence(int octaves, const cv::Mat &change, double way, cv::Mat &map)
+EventMap::weigh_coherence(double way, cv::Mat &map)
 {
-  change.copyTo(nearby_);
-  pool(unexplained_.signed_change(), octaves, signed_).copyTo(signed_nearby_);
   const double sigma = kFine * blur_sigma(map.size());
+  if (inside_.size() != map.size()) {
+    inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
+    fine_blur_(inside_, sigma);
+  }
+  map.copyTo(nearby_);
   fine_blur_(nearby_, sigma);
-  fine_blur_(signed_nearby_, sigma);
+  fine_blur_(signed_map_, sigma);
   const auto kept = static_cast<float>(std::min(1.0, way / kLeastWay));
   for (std::size_t i = 0; i < map.total(); ++i)
-    if (const float all = nearby_.ptr<float>()[i]; all > 0)
-      map.ptr<float>()[i] *= kept + (1 - kept) * std::abs(signed_nearby_.ptr<float>()[i]) / all;
+    if (const float all = nearby_.ptr<float>()[i] / inside_.ptr<float>()[i]; all > 0) {
+      const float coherence = std::abs(signed_map_.ptr<float>()[i]) / all;
+      map.ptr<float>()[i] *= kept + (1 - kept) * std::min(1.0F, coherence / kThing);
+    }
 }
 
 /// Things that appeared since `then`, in ΔE.
@@ -188,11 +197,15 @@ void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
   const cv::Mat &change = pool(unexplained_(look.picture, then.lab, before), look.octaves, pooled_);
+  const cv::Mat &with_sign = pool(unexplained_.signed_change(), look.octaves, pooled_signed_);
   map.create(look.contrast.size(), CV_32FC1);
-  for (std::size_t i = 0; i < map.total(); ++i)
+  signed_map_.create(look.contrast.size(), CV_32FC1);
+  for (std::size_t i = 0; i < map.total(); ++i) {
     map.ptr<float>()[i] = std::min(kMost, change.ptr<float>()[i]);
-  weigh_coherence(look.octaves, change, displacement(before, look.picture.size()), map);
+    signed_map_.ptr<float>()[i] = std::clamp(with_sign.ptr<float>()[i], -kMost, kMost);
+  }
   weigh_onsets(look, then, before, map);
+  weigh_coherence(displacement(before, look.picture.size()), map);
   blur_(map, blur_sigma(map.size()));
 }
 

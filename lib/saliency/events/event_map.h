@@ -81,7 +81,7 @@ private:
   Similarity motion_since(const Picture &then, const Look &look) const;
   void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   const cv::Mat &pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &pooled);
-  void weigh_coherence(int octaves, const cv::Mat &change, double way, cv::Mat &map);
+  void weigh_coherence(double way, cv::Mat &map);
   void hold_onsets(const Look &look);
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
@@ -93,9 +93,10 @@ private:
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;
-  std::array<cv::Mat, 3> signed_;
-  cv::Mat nearby_;        ///< change around each sample
-  cv::Mat signed_nearby_; ///< the same, where opposite changes cancel
+  std::array<cv::Mat, 3> pooled_signed_;
+  cv::Mat signed_map_; ///< with the sign of the change of lightness
+  cv::Mat nearby_;     ///< change around each sample
+  cv::Mat inside_;     ///< share of what is around each sample
   float change_ = 0;
   Blur blur_;
   Blur fine_blur_;
