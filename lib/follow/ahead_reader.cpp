@@ -120,27 +120,29 @@ AheadReader::choose(Time position, Time now)
   if (complete_ || !failure_.empty() || !source_->is_open())
     return;
   const bool is_late = want == position && position > reach_ + kLag;
-  if (!ended_ && is_late && sought_ && now - *sought_ > kPatience) {
+  if (!is_late)
+    late_since_.reset();
+  else if (!late_since_)
+    late_since_ = now;
+  if (!ended_ && is_late && now - *late_since_ > kPatience) {
     too_slow_ = true;
-    seek(position + std::chrono::seconds(1), false, now);
+    seek(position + std::chrono::seconds(1), false);
   } else if (!exactly_ && !ended_ && want < begin_ && want > begin_ - kWait) {
     // The source reaches this part without a seek.
   } else if (ended_ || want < begin_ || want > reach_ + kSkip) {
-    seek(want, true, now);
-  } else if (!sought_) {
-    sought_ = now;
+    seek(want, true);
   }
 }
 
 void
-AheadReader::seek(Time to, bool exactly, Time now)
+AheadReader::seek(Time to, bool exactly)
 {
   source_->seek(to, exactly);
   begin_ = reach_ = to;
   exactly_ = exactly;
   arrived_ = false;
   ended_ = false;
-  sought_ = now;
+  late_since_.reset();
 }
 
 } // namespace follow

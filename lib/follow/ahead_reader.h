@@ -53,9 +53,9 @@ public:
   static constexpr double kShare = 0.4;
   /// If the wanted part is nearer ahead of the source than this, it waits instead of seeking.
   static constexpr Time kSkip = std::chrono::seconds(5);
-  /// A source that is farther behind the film, so long after a seek, is too slow.
+  /// A source that is farther behind the film for so long is too slow.
   static constexpr Time kLag = std::chrono::seconds(2);
-  static constexpr Time kPatience = std::chrono::seconds(4);
+  static constexpr Time kPatience = std::chrono::seconds(2);
 
   explicit AheadReader(std::unique_ptr<MapSource> source);
 
@@ -102,7 +102,7 @@ private:
   void add(const tactile::Cue &cue);
   void set(Time begin, Time end, const tactile::TactileMap &map);
   void choose(Time position, Time now);
-  void seek(Time to, bool exactly, Time now);
+  void seek(Time to, bool exactly);
 
   std::unique_ptr<MapSource> source_;
   std::shared_ptr<tactile::Draft> draft_;
@@ -115,8 +115,8 @@ private:
   bool complete_ = false;
   bool too_slow_ = false;
   Time end_{ 0 };
-  std::optional<Time> sought_; ///< local time
-  std::optional<Time> mark_;   ///< local time from which CPU time is counted
+  std::optional<Time> late_since_; ///< local time
+  std::optional<Time> mark_;       ///< local time from which CPU time is counted
   Time cpu_mark_{ 0 };
 };
 

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 
-from desk_driver import Desk, Page, cue, make_film, os, splice, wait_until
+from desk_driver import LATEST, Desk, Page, cue, make_film, os, splice, wait_until
 
 TRACK = """WEBVTT - by hand
 
@@ -490,6 +490,37 @@ def test_draft_is_kept():
             kept.unlink()
             assert cues and desk.get("draft").json["cues"] == cues
         kept.write_text("WEBVTT\n\nno cue\n")
+
+
+def test_one_decoding():
+    """Pictures, sound and draft are made in one pass, beside the look at what the film has; the draft is what author makes."""
+    fresh()
+    expected = work / "authored.vtt"
+    subprocess.run([os.environ["TRACK"], "author", "-q", "--rows=1", "--columns=2", "--rate=5", film, "-o", expected], check=True, timeout=LATEST)
+    cues = lambda path: [line for line in path.read_text().splitlines() if not line.startswith("NOTE")]
+
+    def decoders(begin, cache):
+        """Made by the desk and by all that it runs."""
+        begin()
+        logs = work / "logs"
+        shutil.rmtree(logs, ignore_errors=True)
+        logs.mkdir()
+        env = {"XDG_CACHE_HOME": str(cache), "GST_DEBUG": "GST_ELEMENT_FACTORY:4", "GST_DEBUG_FILE": str(logs / "%p.log")}
+        with Desk(film, env=env) as desk:
+            page = Page(desk, "p", writes=False)
+            wait_until("all of it", lambda: page.last("progress") == {"draft": 1, "strip": 1})
+        return sum(log.read_text().count('creating element "vp8dec"') for log in logs.iterdir())
+
+    cache = work / "one"
+    assert decoders(fresh, cache) == 2
+    draft, = (cache / "visuotactile/drafts").iterdir()
+    assert cues(draft) == cues(expected)
+    assert decoders(fresh, cache) == 1
+    # A draft for another grid; pictures and sound are there.
+    assert decoders(lambda: fresh("WEBVTT\n\nNOTE tactile grid=2x2 rate=5\n\n00:01.000 --> 00:02.000\n0 0\n0 9\n"), cache) == 2
+    # A draft that becomes the track.
+    assert decoders(lambda: (fresh(), track.unlink()), work / "two") == 2
+    assert track.exists()
 
 
 def test_strip_is_kept():

@@ -35,14 +35,14 @@ made_with(const AnalysisSettings &settings)
 }
 
 Pipeline
-make_analysis(const std::string &source, const AnalysisSettings &settings)
+make_analysis(const std::string &source, const AnalysisSettings &settings, const std::string &more)
 {
   Pipeline pipeline = make_pipeline(
       source + " film. ! queue ! videoconvert ! saliencytactile name=analysis rows="
       + std::to_string(settings.rows) + " columns=" + std::to_string(settings.columns)
       + " profile=" + settings.profile + joined_sound(kQueue, settings.sound)
       + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
-      + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : ""));
+      + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : "") + more);
   const Owned<GstElement> analysis = element(pipeline, "analysis");
   let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis.get(), "sink")).get());
   if (settings.sound)
@@ -86,4 +86,28 @@ BlockSampler::takes(FilmMap &map)
   for (std::size_t i = 0; i < map.map.levels.size(); i++)
     map.map.levels[i] = blocks_.level(i);
   return true;
+}
+
+TrackRecorder::TrackRecorder(const AnalysisSettings &settings)
+    : track_(settings.rows, settings.columns), sampler_(settings.rate)
+{
+  track_.set_rate(settings.rate);
+}
+
+tl::expected<void, tactile::FormatError>
+TrackRecorder::add(FilmMap map)
+{
+  if (sampler_.takes(map))
+    if (auto appended = track_.append(std::max(map.begin, track_.end()), map.map); !appended)
+      return appended;
+  end_ = std::max(end_, map.end);
+  return {};
+}
+
+tl::expected<tactile::Track, tactile::FormatError>
+TrackRecorder::finish()
+{
+  if (const auto ended = track_.set_end(std::max(end_, track_.end())); !ended)
+    return tl::unexpected(ended.error());
+  return track_;
 }

@@ -7,11 +7,13 @@
 #include "nanoseconds.h"
 #include "tactile/tactile_map.h"
 #include "tactor/felt_blocks.h"
+#include "tracks/track.h"
 
 #include <gst/gst.h>
 
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 
 /// How a film becomes a track.
 struct AnalysisSettings
@@ -29,8 +31,10 @@ struct AnalysisSettings
 std::string made_with(const AnalysisSettings &settings);
 
 /// A pipeline of a launch line that begins with film_source(), from which the appsink `maps` takes
-/// the maps of the picture and of `sound`. Throws std::runtime_error.
-Pipeline make_analysis(const std::string &source, const AnalysisSettings &settings);
+/// the maps of the picture and of `sound`. `more`: continues the line; `split.src` has the frames.
+/// Throws std::runtime_error.
+Pipeline make_analysis(const std::string &source, const AnalysisSettings &settings,
+                       const std::string &more = "");
 
 /// A map that holds from `begin` to `end`, in film time.
 struct FilmMap
@@ -60,4 +64,20 @@ public:
 private:
   double rate_;
   tactor::FeltBlocks blocks_;
+};
+
+/// Makes a track of a stream of maps.
+class TrackRecorder
+{
+public:
+  explicit TrackRecorder(const AnalysisSettings &settings);
+
+  /// An error where the track is full.
+  tl::expected<void, tactile::FormatError> add(FilmMap map);
+  tl::expected<tactile::Track, tactile::FormatError> finish();
+
+private:
+  tactile::Track track_;
+  BlockSampler sampler_;
+  visuotactile::Time end_{ 0 };
 };

@@ -6,3 +6,9 @@
 /// Lets the streaming threads of a pipeline give way to others: Linux schedules them as a batch
 /// (SCHED_BATCH). It takes the bus's sync handler.
 void run_in_background(GstElement *pipeline);
+
+/// Limits each element that is added from now on to one thread.
+void use_one_thread(GstElement *pipeline);
+
+/// Lets the element `film` of film_source() decode the picture only.
+void decode_picture_only(GstElement *pipeline);

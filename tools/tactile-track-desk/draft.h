@@ -2,57 +2,40 @@
 #pragma once
 
 #include "film/draft_cache.h"
-#include "film/film.h"
 #include "tracks/track.h"
 
-#include <gio/gio.h>
-
-#include <functional>
 #include <optional>
 #include <string>
 
-/// The program that authors, and the grid.
-struct DraftSettings
-{
-  std::string author; ///< tactile-track
-  std::string film;
-  int rows = 3;
-  int columns = 3;
-  double rate = 5;
-};
-
-/// The automatic draft of a film, authored by tactile-track in the background and stored among the
-/// drafts of visuotactile-follow. Main context's thread.
+/// The automatic draft of a film, as tactile-track author makes it. It is kept among the drafts of
+/// visuotactile-follow. Main context's thread, except for add().
 class FilmDraft
 {
 public:
-  /// `changed` is called when the draft is complete or has failed.
-  FilmDraft(DraftSettings settings, std::function<void()> changed);
-  ~FilmDraft();
-  FilmDraft(const FilmDraft &) = delete;
-  FilmDraft &operator=(const FilmDraft &) = delete;
+  /// Has the track that is kept. `film`: the film's file.
+  FilmDraft(std::string film, const AnalysisSettings &settings);
 
   const std::optional<tactile::Track> &track() const
   {
     return track_;
   }
-  bool has_failed() const
+  /// Why there is none; empty: there is one, or there may be.
+  const std::string &failure() const
   {
-    return failed_;
+    return failure_;
   }
 
+  /// The next map of the film, from the thread that reads it.
+  tl::expected<void, tactile::FormatError> add(FilmMap map);
+  /// After all maps, or with what failed.
+  void end(const std::string &failure);
+
 private:
-  void read();
-
-  const DraftSettings settings_;
-  std::function<void()> changed_;
+  const std::string film_;
+  const AnalysisSettings settings_;
   const DraftCache cache_;
-  const std::optional<library::FileVersion> film_; ///< the film's file, as the draft has it
+  const std::optional<library::FileVersion> version_; ///< of the film's file
   std::optional<tactile::Track> track_;
-  bool failed_ = false;
-  GSubprocess *process_ = nullptr;
-  GCancellable *cancellable_;
+  TrackRecorder recorder_;
+  std::string failure_;
 };
-
-/// Authors a track and waits, with progress on the terminal. Throws std::runtime_error.
-void author_now(const DraftSettings &settings, const std::string &track);

@@ -11,7 +11,7 @@
 namespace {
 
 /// Longest time for the glance.
-constexpr guint kLongest = 5; // s
+constexpr guint kLongest = 3; // s
 
 } // namespace
 
@@ -33,23 +33,28 @@ jpeg_of(GstSample *sample)
 }
 
 std::string
-small_frames(const Film &film, int width, int height)
+small_pictures(int width, int height)
 {
-  return film_source(film)
-         + " film. ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000"
-           " ! videoconvert ! videoscale add-borders=false ! "
-           "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width="
+  return " ! videoscale add-borders=false ! videoconvert ! "
+         "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width="
          + std::to_string(width) + ",height=" + std::to_string(height)
          + " ! appsink name=eye sync=false max-buffers=4";
 }
 
 Glance::Glance(const Film &film, int width, int height, gint64 every, Events events)
-    : events_(std::move(events)), every_(every),
-      start_(static_cast<GstClockTime>(film.start.stream.count())), duration_(film.duration),
-      pipeline_(make_pipeline(small_frames(film, width, height)))
+    : events_(std::move(events)), start_(film.start.stream.count()),
+      pipeline_(make_pipeline(film_source(film) + " film." + small_pictures(width, height)))
 {
+  const auto count = static_cast<gint64>(film.duration / GST_MSECOND - 1) / every + 1;
+  for (gint64 step = 1; step < 2 * count; step *= 2)
+    for (gint64 i = count - 1; i > 0; i--)
+      if (i % step == 0 && i % (2 * step) != 0)
+        times_.push_back(i * every);
+  times_.push_back(0);
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
   run_in_background(pipeline_.get());
+  use_one_thread(pipeline_.get()); // with more, a decoder shows no frame until it has several
+  decode_picture_only(pipeline_.get());
   watch_ = gst_bus_add_watch(
       bus.get(),
       +[](GstBus *, GstMessage *message, gpointer self) {
@@ -93,16 +98,15 @@ Glance::on_message(GstMessage *message)
   if (!is_over) {
     const Owned<GstElement> eye = element(pipeline_, "eye");
     if (GstSample *sample = gst_app_sink_try_pull_preroll(GST_APP_SINK(eye.get()), 0)) {
-      events_.taken(at_, jpeg_of(sample));
+      events_.taken(times_.back(), jpeg_of(sample));
       gst_sample_unref(sample);
     }
-    at_ += every_;
-    const GstClockTime next = static_cast<GstClockTime>(at_) * GST_MSECOND;
-    is_over = next >= duration_
+    times_.pop_back();
+    is_over = times_.empty()
               || !gst_element_seek_simple(
                   pipeline_.get(), GST_FORMAT_TIME,
                   static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_KEY_UNIT),
-                  static_cast<gint64>(start_ + next));
+                  start_ + times_.back() * static_cast<gint64>(GST_MSECOND));
   }
   if (!is_over)
     return G_SOURCE_CONTINUE;

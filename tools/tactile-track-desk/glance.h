@@ -6,12 +6,13 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 /// A frame as JPEG; empty: it cannot be converted.
 std::string jpeg_of(GstSample *sample);
 
-/// The launch line of a film's frames as small RGB pictures, up to an appsink `eye`.
-std::string small_frames(const Film &film, int width, int height);
+/// Continues a launch line of frames to small RGB pictures in an appsink `eye`.
+std::string small_pictures(int width, int height);
 
 /// A few key frames from all over a film, within seconds, before it is decoded. Main context's
 /// thread.
@@ -25,7 +26,7 @@ public:
     std::function<void()> done;
   };
 
-  /// At `every` ms of the film's `duration`.
+  /// At multiples of `every` ms: the halves of the film, then their halves, and so on.
   Glance(const Film &film, int width, int height, gint64 every, Events events);
   ~Glance();
   Glance(const Glance &) = delete;
@@ -36,10 +37,8 @@ private:
   void stop();
 
   const Events events_;
-  const gint64 every_;
-  const GstClockTime start_; ///< stream time of the film's 0:00
-  const GstClockTime duration_;
-  gint64 at_ = 0; ///< ms
+  const gint64 start_;        ///< stream time of the film's 0:00
+  std::vector<gint64> times_; ///< ms; the next one last
   guint watch_ = 0;
   guint limit_ = 0;
   Pipeline pipeline_;

@@ -4,6 +4,7 @@
 #include "options.h"
 #include "routes.h"
 #include "web/browser.h"
+#include "web/kept_tokens.h"
 #include "web/server.h"
 
 #include "../visuotactile-follow/session_watch.h"
@@ -12,6 +13,7 @@
 #include "film/live_settings.h"
 #include "film/or_throw.h"
 #include "library/library.h"
+#include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt.h"
 
@@ -79,6 +81,20 @@ copy_stored(const DeskOptions &options, const Film &film, const std::string &tra
   return true;
 }
 
+/// The token of a track's address, which stays valid when the desk is started again.
+std::string
+token_of(const std::string &track)
+{
+  g_autofree gchar *name = g_compute_checksum_for_string(G_CHECKSUM_SHA256, track.c_str(), -1);
+  const fs::path folder = fs::path(g_get_user_state_dir()) / "visuotactile" / "desk";
+  g_mkdir_with_parents(folder.c_str(), 0700);
+  const auto tokens = kept_tokens((folder / name).string(), 1);
+  if (tokens)
+    return tokens->front();
+  print_error(kProgram, "the page's address is another one at the next start: " + tokens.error());
+  return "";
+}
+
 struct Unref
 {
   void operator()(gpointer object) const
@@ -99,23 +115,29 @@ run(const DeskOptions &options)
   if (!fs::is_regular_file(options.film, error))
     throw std::runtime_error("'" + options.film + "' is no file; expected a film's");
   const Film film = discover_film(options.film);
-  const char *author = g_getenv("VISUOTACTILE_AUTHOR");
-  DraftSettings draft{ .author = author ? author : "tactile-track", .film = options.film };
-
+  AnalysisSettings settings;
+  std::unique_ptr<FilmContents> contents;
   const std::string track = options.track.empty() ? track_beside(options.film) : options.track;
   if (!fs::exists(track, error) && !copy_stored(options, film, track)) {
     if (!options.common.quiet)
       std::fprintf(stderr, "There is no '%s' yet: a draft is authored\n", track.c_str());
-    author_now(draft, track);
+    const auto format = or_throw(tactile::written_format(track));
+    contents = std::make_unique<FilmContents>(film, options.film, settings);
+    const std::string draft = tactile::with_draft_note(
+        write_track(contents->wait_for_draft(), format, ""), made_with(settings));
+    if (const auto done = files::replace_file(track, draft); !done)
+      throw std::runtime_error(done.error());
   }
   const std::unique_ptr<desk::Session> session = or_throw(desk::Session::open(track));
   for (const std::string &message : session->messages())
     print_error(kProgram, message);
   const desk::Document &document = session->document();
-  draft.rows = document.grid().rows;
-  draft.columns = document.grid().columns;
+  settings.rows = document.grid().rows;
+  settings.columns = document.grid().columns;
   if (document.rate() > 0)
-    draft.rate = document.rate();
+    settings.rate = document.rate();
+  if (!contents)
+    contents = std::make_unique<FilmContents>(film, options.film, settings);
 
   Routes routes({ .film = options.film,
                   .found = film,
@@ -123,10 +145,11 @@ run(const DeskOptions &options)
                   .sink = options.chair.sink_line(),
                   .driver = options.chair.driver.text(),
                   .review = options.review != FALSE },
-                *session, draft);
+                *session, *contents);
   const Server server({ .port = static_cast<guint16>(options.port),
                         .usual = usual_port(session->path()),
-                        .program = kProgram },
+                        .program = kProgram,
+                        .token = token_of(session->path()) },
                       routes);
   const std::unique_ptr<GDBusConnection, Unref> bus(
       g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough

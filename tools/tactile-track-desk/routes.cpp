@@ -55,11 +55,10 @@ const Routes::Route Routes::kRoutes[] = {
   { "position", "POST", &Routes::position },    { "feel", "POST", &Routes::feel },
 };
 
-Routes::Routes(DeskSettings settings, desk::Session &session, DraftSettings draft)
+Routes::Routes(DeskSettings settings, desk::Session &session, const FilmContents &contents)
     : settings_(std::move(settings)), session_(session),
-      events_([this](const std::string &page) { left(page); }),
-      draft_(std::move(draft), [this] { tell_progress(); }),
-      strip_(settings_.found, settings_.film), proxies_(settings_.found),
+      events_([this](const std::string &page) { left(page); }), draft_(contents.draft()),
+      strip_(contents.strip()), proxies_(settings_.found),
       feel_(settings_.sink, session_,
             [this] { events_.send(Events::event("chair", chair_json())); }),
       tick_(g_timeout_add(
@@ -276,7 +275,7 @@ std::string
 Routes::progress_json() const
 {
   const double strip = strip_.progress();
-  const char *draft = draft_.track() ? "1" : draft_.has_failed() ? "null" : "0";
+  const char *draft = draft_.track() ? "1" : draft_.failure().empty() ? "0" : "null";
   return std::string("{\"draft\": ") + draft
          + ", \"strip\": " + (strip < 0 ? "null" : number(std::floor(strip * 1000) / 1000)) + "}";
 }

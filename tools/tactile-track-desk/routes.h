@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "draft.h"
+#include "contents.h"
 #include "feel.h"
 #include "proxy.h"
-#include "strip.h"
 #include "web/events.h"
 
 #include "desk/seat.h"
@@ -32,7 +31,7 @@ struct DeskSettings
 class Routes : public Site
 {
 public:
-  Routes(DeskSettings settings, desk::Session &session, DraftSettings draft);
+  Routes(DeskSettings settings, desk::Session &session, const FilmContents &contents);
   ~Routes() override;
   Routes(const Routes &) = delete;
   Routes &operator=(const Routes &) = delete;
@@ -92,8 +91,8 @@ private:
   desk::Session &session_;
   desk::Seat seat_;
   Events events_;
-  FilmDraft draft_;
-  Strip strip_;
+  const FilmDraft &draft_;
+  const Strip &strip_;
   Proxies proxies_;
   Feel feel_;
   std::string told_progress_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "glance.h"
-
 #include "film/film.h"
 #include "film/film_cache.h"
 #include "film/pipeline.h"
@@ -15,16 +13,15 @@
 #include <string>
 #include <vector>
 
-/// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
-/// during one pass over the film, in the background, and are kept for the next time. A long film
-/// first has some of its key frames. Any thread.
+/// Pictures of a film for its time line: small frames, peaks and impacts of its sound, shot cuts.
+/// They grow while the film is read, and are kept for the next time. Any thread.
 class Strip
 {
 public:
   static constexpr std::size_t kMostPictures = 1000;
   static constexpr gint64 kPeak = 10; ///< ms
 
-  /// `path`: the film's file.
+  /// Has what is kept. `path`: the film's file.
   Strip(const Film &film, const std::string &path);
   ~Strip();
   Strip(const Strip &) = delete;
@@ -32,6 +29,23 @@ public:
 
   /// 0 to 1; < 0: it failed.
   double progress() const;
+  bool is_whole() const
+  {
+    return progress() == 1;
+  }
+
+  /// ms between the key frames that come first; 0: none, it is whole, or soon.
+  gint64 glances() const;
+  /// The picture of the last key frame before a moment.
+  void glimpse(gint64 ms, std::string jpeg);
+  void glanced();
+
+  /// Continues the line of make_analysis().
+  std::string line(const Film &film) const;
+  /// Before the pipeline with the line starts.
+  void listen(const Pipeline &pipeline);
+  /// After all of the film, or with what failed.
+  void end(const std::string &failure);
 
   int width() const
   {
@@ -50,23 +64,22 @@ public:
   std::size_t total() const; ///< pictures in the end, if the film's length is known
   std::string picture(std::size_t index) const; ///< JPEG; empty: none yet
   std::string peaks(std::size_t from) const;    ///< a byte each
-  struct Cuts
+  struct Events
   {
-    std::vector<gint64> times; ///< ms
-    gint64 until = 0;          ///< ms
+    std::vector<gint64> cuts;    ///< between shots, ms
+    gint64 until = 0;            ///< cuts are known up to here, ms
+    std::vector<gint64> impacts; ///< that are heard, ms
   };
-  Cuts cuts() const;
+  Events events() const;
 
 private:
   class Eye; ///< sees cuts
+  class Ear; ///< hears impacts
 
-  void glanced(const Film &film);
-  void begin(const Film &film);
   bool load();
   void keep() const;
   void on_frame(GstSample *sample);
   void on_sound(GstSample *sample);
-  gboolean on_message(GstMessage *message);
 
   const std::string path_;
   const FilmCache cache_;
@@ -77,14 +90,12 @@ private:
   gint64 duration_;          ///< ms; 0: unknown
   visuotactile::Time start_; ///< stream time of the film's 0:00
   std::unique_ptr<Eye> eye_;
+  std::unique_ptr<Ear> ear_;
   mutable std::mutex mutex_;
   std::vector<std::string> pictures_;
   std::map<std::size_t, std::string> glances_; ///< by index
   bool has_glanced_ = false;
   std::string peaks_;
-  Cuts cuts_;
+  Events events_;
   double progress_ = 0;
-  guint watch_ = 0;
-  Pipeline pipeline_;
-  std::unique_ptr<Glance> glance_;
 };

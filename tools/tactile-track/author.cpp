@@ -3,8 +3,7 @@
 // author: films in, first drafts of their tracks out, as fast as the machine allows.
 #include "commands.h"
 
-#include "author_part.h"
-
+#include "film/film_part.h"
 #include "film/output.h"
 #include "film/progress.h"
 #include "film/sound.h"
@@ -31,39 +30,6 @@ namespace {
 
 /// Grids of parts, whose maps are in memory until the film is whole.
 constexpr int kMostCells = 256;
-
-/// Makes a track of a stream of maps.
-class Recorder
-{
-public:
-  explicit Recorder(const AnalysisSettings &settings)
-      : track_(settings.rows, settings.columns), sampler_(settings.rate)
-  {
-    track_.set_rate(settings.rate);
-  }
-
-  /// An error where the track is full.
-  tl::expected<void, tactile::FormatError> add(FilmMap map)
-  {
-    if (sampler_.takes(map))
-      if (auto appended = track_.append(std::max(map.begin, track_.end()), map.map); !appended)
-        return appended;
-    end_ = std::max(end_, map.end);
-    return {};
-  }
-
-  tl::expected<Track, tactile::FormatError> finish()
-  {
-    if (const auto ended = track_.set_end(std::max(end_, track_.end())); !ended)
-      return tl::unexpected(ended.error());
-    return track_;
-  }
-
-private:
-  Track track_;
-  BlockSampler sampler_;
-  Time end_{ 0 };
-};
 
 /// A film that is analyzed, and its track.
 class Job
@@ -151,6 +117,8 @@ public:
                                 [this](const std::string &failure) {
                                   part_finished(failure);
                                 } }));
+    for (const auto &part : parts_)
+      part->start();
   }
 
   void stop()
@@ -231,7 +199,7 @@ private:
   std::function<void(Job &, const std::string &)> finished_;
   Time duration_{ 0 };
   gint64 began_ = 0; ///< µs
-  std::optional<Recorder> recorder_;
+  std::optional<TrackRecorder> recorder_;
   std::vector<std::vector<FilmMap>> later_; ///< of each part but the first
   std::size_t running_ = 0;                 ///< parts
   std::vector<std::unique_ptr<FilmPart>> parts_;

@@ -21,10 +21,6 @@ desk(int argc, char **argv)
   }
   const char *set = g_getenv("VISUOTACTILE_DESK");
   const std::string program = set ? set : DESK_PROGRAM;
-  // For drafts.
-  g_autofree gchar *self = g_file_read_link("/proc/self/exe", nullptr);
-  if (self)
-    g_setenv("VISUOTACTILE_AUTHOR", self, TRUE);
   execv(program.c_str(), arguments.data());
   throw std::runtime_error("'" + program + "' cannot be run: " + g_strerror(errno)
                            + (errno == ENOENT ? "; it is installed with visuotactile-tools" : ""));

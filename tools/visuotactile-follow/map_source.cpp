@@ -155,18 +155,6 @@ private:
   std::atomic<bool> is_open_{ false };
 };
 
-/// Limits the element to one thread, and thus one core.
-void
-use_one_thread(GstElement *element)
-{
-  for (const char *name : { "max-threads", "n-threads", "threads" })
-    if (const GParamSpec *property
-        = g_object_class_find_property(G_OBJECT_GET_CLASS(element), name);
-        property && (property->flags & G_PARAM_WRITABLE)
-        && (property->value_type == G_TYPE_INT || property->value_type == G_TYPE_UINT))
-      g_object_set(element, name, 1, nullptr);
-}
-
 class Analysis : public PipelineSource
 {
 public:
@@ -176,17 +164,10 @@ public:
     Film film;
     film.uri = uri;
     Pipeline pipeline = make_analysis(film_source(film), settings);
-    if (settings.sound == nullptr) {
-      // Nothing else is decoded.
-      g_autoptr(GstCaps) caps = gst_caps_from_string("video/x-raw(ANY)");
-      g_object_set(element(pipeline, "film").get(), "caps", caps, "expose-all-streams", FALSE,
-                   nullptr);
-    }
-    use_one_thread(element(pipeline, "analysis").get());
-    g_signal_connect(
-        pipeline.get(), "deep-element-added",
-        G_CALLBACK(+[](GstBin *, GstBin *, GstElement *added, gpointer) { use_one_thread(added); }),
-        nullptr);
+    if (settings.sound == nullptr)
+      decode_picture_only(pipeline.get());
+    g_object_set(element(pipeline, "analysis").get(), "n-threads", 1, nullptr);
+    use_one_thread(pipeline.get());
     maps_ = element(pipeline, "maps");
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
     take_freely(maps_.get());

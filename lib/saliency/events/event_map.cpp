@@ -14,9 +14,6 @@ constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger,
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
-// A thing has a coherence of at least kThing.
-constexpr double kFine = 0.5; ///< σ of coherence, in those of the blur
-constexpr float kThing = 0.8F;
 // A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
 // while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
@@ -139,16 +136,49 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
       const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
       const float gone = kGone * then.contrast.ptr<float>(py)[px];
       const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
-      const float weight = std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
-      map.ptr<float>(y)[x] *= weight;
-      signed_map_.ptr<float>(y)[x] *= weight;
+      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
     }
 }
 
 int
 EventMap::reach(cv::Size map)
 {
-  return Blur::reach(blur_sigma(map));
+  return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
+}
+
+/// Gaussian, with nothing outside.
+void
+EventMap::blur(cv::Mat &map)
+{
+  const double sigma = blur_sigma(map.size());
+  const int reach = EventMap::reach(map.size());
+  if (sigma != sigma_) {
+    sigma_ = sigma;
+    weights_.clear();
+    double sum = 0;
+    for (int i = -reach; i <= reach; ++i)
+      sum += std::exp(-0.5 * i * i / (sigma * sigma));
+    for (int i = -reach; i <= reach; ++i)
+      weights_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum));
+  }
+  clear(map.size(), along_rows_);
+  for (int y = 0; y < map.rows; ++y)
+    for (int i = -reach; i <= reach; ++i) {
+      const float weight = weights_[static_cast<std::size_t>(i + reach)];
+      const auto *in = map.ptr<float>(y);
+      auto *out = along_rows_.ptr<float>(y);
+      for (int x = std::max(0, -i); x < std::min(map.cols, map.cols - i); ++x)
+        out[x] += weight * in[x + i];
+    }
+  clear(map.size(), map);
+  for (int y = 0; y < map.rows; ++y)
+    for (int i = std::max(-reach, -y); i <= std::min(reach, map.rows - 1 - y); ++i) {
+      const float weight = weights_[static_cast<std::size_t>(i + reach)];
+      const auto *in = along_rows_.ptr<float>(y + i);
+      auto *out = map.ptr<float>(y);
+      for (int x = 0; x < map.cols; ++x)
+        out[x] += weight * in[x];
+    }
 }
 
 /// The map from samples of now to samples of `then`.
@@ -158,55 +188,20 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
-/// The change at the level of the map.
-const cv::Mat &
-EventMap::pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &pooled)
-{
-  const cv::Mat *finer = &change;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(octaves); ++i) {
-    reductions_[i](*finer, pooled[i]);
-    finer = &pooled[i];
-  }
-  return *finer;
-}
-
-/// Lowers fine texture that moves, such as text: what gets brighter there lies beside what gets
-/// darker, while a thing has one sign over its size. At the picture's edge one side is unseen.
-/// Errors of the camera's motion have both signs, too: the more it moves, the less is lowered.
-void
-EventMap::weigh_coherence(double way, cv::Mat &map)
-{
-  const double sigma = kFine * blur_sigma(map.size());
-  if (inside_.size() != map.size()) {
-    inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
-    fine_blur_(inside_, sigma);
-  }
-  map.copyTo(nearby_);
-  fine_blur_(nearby_, sigma);
-  fine_blur_(signed_map_, sigma);
-  const auto kept = static_cast<float>(std::min(1.0, way / kLeastWay));
-  for (std::size_t i = 0; i < map.total(); ++i)
-    if (const float all = nearby_.ptr<float>()[i] / inside_.ptr<float>()[i]; all > 0) {
-      const float coherence = std::abs(signed_map_.ptr<float>()[i]) / all;
-      map.ptr<float>()[i] *= kept + (1 - kept) * std::min(1.0F, coherence / kThing);
-    }
-}
-
 /// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  const cv::Mat &change = pool(unexplained_(look.picture, then.lab, before), look.octaves, pooled_);
-  const cv::Mat &with_sign = pool(unexplained_.signed_change(), look.octaves, pooled_signed_);
-  map.create(look.contrast.size(), CV_32FC1);
-  signed_map_.create(look.contrast.size(), CV_32FC1);
-  for (std::size_t i = 0; i < map.total(); ++i) {
-    map.ptr<float>()[i] = std::min(kMost, change.ptr<float>()[i]);
-    signed_map_.ptr<float>()[i] = std::clamp(with_sign.ptr<float>()[i], -kMost, kMost);
+  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
+  for (int i = 0; i < look.octaves; ++i) {
+    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
+    pooled = &pooled_[static_cast<std::size_t>(i)];
   }
+  map.create(look.contrast.size(), CV_32FC1);
+  for (std::size_t i = 0; i < map.total(); ++i)
+    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
   weigh_onsets(look, then, before, map);
-  weigh_coherence(displacement(before, look.picture.size()), map);
-  blur_(map, blur_sigma(map.size()));
+  blur(map);
 }
 
 /// A thing that appears is an event for half a second, as long as it stays, before a camera at

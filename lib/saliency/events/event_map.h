@@ -2,7 +2,6 @@
 #pragma once
 
 #include "frame/lab_image.h"
-#include "saliency/events/blur.h"
 #include "saliency/events/noise_floor.h"
 #include "saliency/events/unexplained.h"
 #include "saliency/pyramid.h"
@@ -80,11 +79,11 @@ private:
   const Picture *picture_before(double lag) const;
   Similarity motion_since(const Picture &then, const Look &look) const;
   void compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
-  const cv::Mat &pool(const cv::Mat &change, int octaves, std::array<cv::Mat, 3> &pooled);
-  void weigh_coherence(double way, cv::Mat &map);
   void hold_onsets(const Look &look);
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
+  void blur(cv::Mat &map);
+
   static constexpr std::size_t kMostPictures = 36;
   std::vector<Picture> past_; ///< a ring
   std::size_t count_ = 0;
@@ -93,13 +92,10 @@ private:
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;
-  std::array<cv::Mat, 3> pooled_signed_;
-  cv::Mat signed_map_; ///< with the sign of the change of lightness
-  cv::Mat nearby_;     ///< change around each sample
-  cv::Mat inside_;     ///< share of what is around each sample
   float change_ = 0;
-  Blur blur_;
-  Blur fine_blur_;
+  double sigma_ = 0; ///< of the blur, in samples
+  std::vector<float> weights_;
+  cv::Mat along_rows_;
   cv::Mat now_;
   cv::Mat held_;     ///< the strongest event of the last half second
   cv::Mat held_age_; ///< its age, in frames at 30 fps

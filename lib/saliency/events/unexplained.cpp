@@ -145,7 +145,6 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   const cv::Size size = lightness.size();
   difference_.create(size, CV_32FC1);
   beyond_.create(size, CV_32FC1);
-  signed_.create(size, CV_32FC1);
   even_.clear();
   even_.reserve(difference_.total()); // a later picture may have more
   textured_.clear();
@@ -186,9 +185,6 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
     const float most = kBeyond * std::sqrt(noise * noise + texture * texture);
     const float beyond = difference_.ptr<float>()[i] - most;
     beyond_.ptr<float>()[i] = beyond > 0 ? beyond : 0; // also where it is NaN
-    const float expected = gain_ * then_[0].ptr<float>()[i] + offset_;
-    signed_.ptr<float>()[i]
-        = std::copysign(beyond_.ptr<float>()[i], lightness.ptr<float>()[i] - expected);
   }
   return beyond_;
 }

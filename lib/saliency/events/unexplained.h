@@ -27,12 +27,6 @@ public:
   /// Returns the part of ΔE above the noise (CV_32FC1, ≥ 0); 0 outside of `then`.
   const cv::Mat &operator()(const LabImage &now, const LabImage &then, const Similarity &before);
 
-  /// The same with the sign of the change of lightness.
-  const cv::Mat &signed_change() const
-  {
-    return signed_;
-  }
-
   /// The difference at textured places in the last pictures, in samples of displacement: about .03
   /// with a hand-held camera, .2 with one that travels.
   float misfit() const
@@ -57,7 +51,6 @@ private:
   std::vector<float> textured_;
   float misfit_ = 0;
   cv::Mat beyond_;
-  cv::Mat signed_;
 };
 
 } // namespace saliency

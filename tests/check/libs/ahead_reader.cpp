@@ -153,6 +153,27 @@ CHECK_TEST(test_seeks)
   expect_truth(*chair.reader.draft(), 0s, 60s);
 }
 
+/// Also after a seek that follows a long time of reading, the place is known as soon as all since
+/// the key frame before it is decoded.
+CHECK_TEST(test_soon_after_seek)
+{
+  for (const Time behind : { Time(1s), Time(5s), Time(9500ms) })
+    for (const double rate : { 0.0, 1.0 }) {
+      auto source = std::make_unique<SimulatedFilm>();
+      source->duration = 3600s;
+      Watched chair(std::move(source));
+      for (const Time key : { 1000s, 500s, 2000s }) {
+        chair.watch(10s);
+        chair.position = key + behind;
+        chair.watch(2s, rate);
+        fail_unless(chair.knows(chair.position), "%.1f s behind the key frame at %.0f s, rate %.0f",
+                    std::chrono::duration<double>(behind).count(),
+                    std::chrono::duration<double>(key).count(), rate);
+      }
+      fail_if(chair.reader.is_too_slow());
+    }
+}
+
 /// Over no second of the clock is more CPU time used than is allowed.
 CHECK_TEST(test_pace)
 {

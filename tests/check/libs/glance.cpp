@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <iterator>
+#include <set>
+#include <utility>
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
@@ -66,14 +68,16 @@ color_of(const std::string &jpeg)
   return strongest;
 }
 
-std::map<gint64, unsigned>
+/// In the order in which they come.
+std::vector<std::pair<gint64, unsigned>>
 colors(const Film &film, gint64 every)
 {
-  std::map<gint64, unsigned> found;
+  std::vector<std::pair<gint64, unsigned>> found;
   GMainLoop *loop = g_main_loop_new(nullptr, FALSE);
   const Glance glance(
       film, 80, 60, every,
-      { .taken = [&](gint64 ms, const std::string &jpeg) { found[ms] = color_of(jpeg); },
+      { .taken
+        = [&](gint64 ms, const std::string &jpeg) { found.emplace_back(ms, color_of(jpeg)); },
         .done =
             [&] {
               g_main_loop_quit(loop);
@@ -88,10 +92,21 @@ colors(const Film &film, gint64 every)
 CHECK_TEST(test_key_frames)
 {
   const TemporaryFile file("", ".webm");
-  const std::map<gint64, unsigned> found = colors(make_film(file.path), 1000);
+  const auto found = colors(make_film(file.path), 1000);
   ck_assert_uint_eq(found.size(), 12);
-  for (const auto &[ms, color] : found)
+  std::set<gint64> known{ 12'000 };
+  for (const auto &[ms, color] : found) {
     ck_assert_uint_eq(color, static_cast<unsigned>(ms / 4000));
+    // However many there is time for, they are from all over the film.
+    known.insert(ms);
+    gint64 widest = *known.begin();
+    for (auto next = std::next(known.begin()); next != known.end(); ++next)
+      widest = std::max(widest, *next - *std::prev(next));
+    fail_unless(widest * static_cast<gint64>(known.size() - 1) <= 32'000,
+                "%zu pictures leave %.1f s without one", known.size() - 1,
+                static_cast<double>(widest) / 1000);
+  }
+  ck_assert_uint_eq(known.size(), 13);
 }
 
 CHECK_TEST(test_no_film)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film/analysis.h"
-#include "film/film.h"
-#include "film/pipeline.h"
+#include "analysis.h"
+#include "film.h"
+#include "pipeline.h"
 #include "tracks/track.h"
 
 #include <gst/app/gstappsink.h>
@@ -35,12 +35,19 @@ public:
     std::function<void(const std::string &)> finished;
   };
 
-  /// Throws std::runtime_error.
-  FilmPart(const Film &film, const AnalysisSettings &settings, Span span, Events events);
+  /// `more`: as of make_analysis(). Throws std::runtime_error.
+  FilmPart(const Film &film, const AnalysisSettings &settings, Span span, Events events,
+           const std::string &more = "");
   ~FilmPart();
   FilmPart(const FilmPart &) = delete;
   FilmPart &operator=(const FilmPart &) = delete;
 
+  const Pipeline &pipeline() const
+  {
+    return pipeline_;
+  }
+  /// Throws std::runtime_error.
+  void start();
   void stop();
 
   /// What was analyzed of the part.

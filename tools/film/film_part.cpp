@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "author_part.h"
+#include "film_part.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -19,10 +19,11 @@ constexpr Time kBefore = std::chrono::minutes(1);
 
 } // namespace
 
-FilmPart::FilmPart(const Film &film, const AnalysisSettings &settings, Span span, Events events)
+FilmPart::FilmPart(const Film &film, const AnalysisSettings &settings, Span span, Events events,
+                   const std::string &more)
     : span_(span), start_(film.start.stream), events_(std::move(events)),
       has_sought_(span.begin == Time(0) && span.end == Time(0)), position_(span.begin.count()),
-      pipeline_(make_analysis(film_source(film), settings))
+      pipeline_(make_analysis(film_source(film), settings, more))
 {
   const Owned<GstElement> sink = element(pipeline_, "maps");
   GstAppSinkCallbacks callbacks{};
@@ -30,6 +31,11 @@ FilmPart::FilmPart(const Film &film, const AnalysisSettings &settings, Span span
     return static_cast<FilmPart *>(self)->on_map(maps);
   };
   gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
+}
+
+void
+FilmPart::start()
+{
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
   watch_ = gst_bus_add_watch(
       bus.get(),
