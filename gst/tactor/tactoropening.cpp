@@ -128,7 +128,8 @@ open_tactors(GstElement *element, TactorOpening opening,
                                      .stop = std::move(stop),
                                      .notify = std::move(notify) };
   TactorOutput output{ .driver = std::move(opening.driver) };
-  opening.turn->wait(config.stop);
+  const std::unique_ptr<tactor::OpeningTurn> turn = std::move(opening.turn); // ends here
+  turn->wait(config.stop);
   if (const tl::expected<void, tactor::DriverError> opened = output.driver->open(config); !opened)
     return tl::unexpected(opened.error());
   if (!settings.trace_location.empty() && !config.stop.stop_requested()) {

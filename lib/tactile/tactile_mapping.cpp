@@ -205,19 +205,15 @@ weigh_center(std::vector<double> &cells, int rows, int columns, const Viewport &
 MappingSettings
 MappingSettings::paper()
 {
-  return { .order = Order::threshold_first,
-           .binary = true,
-           .prefilter_sigma = 1.0 / 3,
-           .gain = Gain::none };
+  return {
+    .order = Order::threshold_first, .binary = true, .prefilter_sigma = 1.0 / 3, .gain = Gain::none
+  };
 }
 
 MappingSettings
 MappingSettings::tuned()
 {
-  return { .floor = 0.8,
-           .center_weight = 0.4,
-           .gain = Gain::relative,
-           .units_per_delta_e = 0.13 };
+  return { .floor = 0.8, .center_weight = 0.4, .gain = Gain::relative, .units_per_delta_e = 0.13 };
 }
 
 MappingSettings

@@ -32,7 +32,7 @@ read_file(const std::string &path)
   return files::read_whole(path, kLargestPage).value_or("");
 }
 
-/// A script of the page and the modules that it imports, as one.
+/// A script of the page and the modules that it imports, as one; empty if one is missing.
 std::string
 read_script(const std::string &folder, const std::string &name)
 {
@@ -43,13 +43,17 @@ read_script(const std::string &folder, const std::string &name)
   std::istringstream lines(read_file(folder + "/" + name));
   for (std::string line; std::getline(lines, line);) {
     const std::size_t from = line.find(kFrom);
-    if (line.starts_with("import ") && from != std::string::npos)
-      modules += read_script(
-          folder, line.substr(from + kFrom.size(), line.rfind('\'') - from - kFrom.size()));
-    else
+    if (!line.starts_with("import ") || from == std::string::npos) {
       own += line.substr(line.starts_with(kExport) ? kExport.size() : 0) + "\n";
+      continue;
+    }
+    const std::size_t begin = from + kFrom.size();
+    const std::string module = read_script(folder, line.substr(begin, line.rfind('\'') - begin));
+    if (module.empty())
+      return "";
+    modules += module;
   }
-  return modules + own;
+  return own.empty() ? "" : modules + own;
 }
 
 /// As a Content-Security-Policy names the content of an element.
@@ -187,9 +191,9 @@ Routes::export_page(SoupServerMessage *message, std::string_view)
   std::string page = read_file(settings_.page + "/film_page.html");
   const std::string style = read_file(settings_.page + "/film_page.css");
   const std::string script = read_script(settings_.page, "film_page.js");
-  if (!replace(page, "@SCRIPT_HASH@", hash_of(script)) || !replace(page, "@SCRIPT@", script)
-      || !replace(page, "@STYLE_HASH@", hash_of(style)) || !replace(page, "@STYLE@", style)
-      || !replace(page, "@DATA@", data))
+  if (style.empty() || script.empty() || !replace(page, "@SCRIPT_HASH@", hash_of(script))
+      || !replace(page, "@SCRIPT@", script) || !replace(page, "@STYLE_HASH@", hash_of(style))
+      || !replace(page, "@STYLE@", style) || !replace(page, "@DATA@", data))
     return answer_error(message, 404, "the page has no template for exports");
   name_attachment(message, stem_of(session_.path()) + ".html");
   ::answer(message, 200, "text/html; charset=utf-8", page);
