@@ -458,6 +458,15 @@ gst_tactor_sink_settings(GObject *object)
 }
 
 static void
+gst_tactor_sink_apply_delay(GstTactorSink *self)
+{
+  GST_OBJECT_LOCK(self);
+  const Time delay = self->priv->settings.delay_time();
+  GST_OBJECT_UNLOCK(self);
+  self->priv->session.set_delay(delay);
+}
+
+static void
 gst_tactor_sink_property_changed(GObject *object, std::string_view name)
 {
   GstTactorSink *self = GST_TACTOR_SINK(object);
@@ -469,6 +478,8 @@ gst_tactor_sink_property_changed(GObject *object, std::string_view name)
                         (nullptr));
   else if (name == "mute" || name == "intensity")
     gst_tactor_sink_apply(self, &TactorSettings::is_silent, &TactorScheduler::set_muted);
+  else if (name == "delay")
+    gst_tactor_sink_apply_delay(self);
   else if (name == "ramp-in")
     gst_tactor_sink_apply(self, &TactorSettings::ramp_in_time, &TactorScheduler::set_ramp_in);
 }

@@ -2,6 +2,7 @@
 #include "tactoropening.h"
 
 #include "calibration/calibration.h"
+#include "tactor/drivers/last_device.h"
 #include "tactor/drivers/registry.h"
 #include "tactor/soft_start.h"
 #include "tactormessages.h"
@@ -142,6 +143,10 @@ open_tactors(GstElement *element, TactorOpening &opening,
     output.trace = std::make_unique<tactor::CommandTrace>(std::move(*trace));
   }
 
+  if (const std::string board = output.driver->status().board; board != "simulator")
+    tactor::remember_device({ .driver = settings.driver == "auto" ? "firmata" : settings.driver,
+                              .device = settings.device,
+                              .board = board });
   opening.tactors = output.driver->tactors();
   opening.layout = output.driver->layout();
   opening.account = output.driver->account();

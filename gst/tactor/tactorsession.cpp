@@ -24,7 +24,8 @@ constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 GstClockTime
 lead_of(const TactorOpening &opening)
 {
-  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
+  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin
+                     + std::max(-opening.settings.delay_time(), Time(0));
   return static_cast<GstClockTime>(early.count());
 }
 
@@ -159,7 +160,7 @@ TactorSession::read_timing() const
 {
   const guint64 reading = ++readings_;
   const GstClockTimeDiff delay = static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
-                                 + gst_base_sink_get_ts_offset(sink_);
+                                 + gst_base_sink_get_ts_offset(sink_) + users_delay_;
   TactorTiming timing(gst_element_get_clock(element_),
                       static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_)) + delay);
   const std::lock_guard lock(timing_mutex_);
@@ -173,7 +174,7 @@ TactorSession::read_timing() const
 
 /// On the scheduler's thread. It does not wait for the object lock, which any thread of the
 /// application may have: its holder would get no CPU time on a busy machine while a motor is on.
-/// Code that changes latency or ts-offset reads the timing afterwards.
+/// Code that changes latency, ts-offset or delay reads the timing afterwards.
 TactorTiming
 TactorSession::glance_at_timing() const
 {
@@ -185,6 +186,13 @@ TactorSession::glance_at_timing() const
                          static_cast<GstClockTimeDiff>(element_->base_time) + delay_);
   GST_OBJECT_UNLOCK(element_);
   return timing_;
+}
+
+void
+TactorSession::set_delay(Time delay)
+{
+  users_delay_ = delay.count();
+  timing_changed();
 }
 
 void

@@ -43,6 +43,8 @@ public:
   void tell_short_lead();
 
   TactorTiming read_timing() const;
+  /// Vibration is this much later.
+  void set_delay(tactor::Time delay);
   /// To be called when latency or ts-offset has changed.
   void timing_changed();
 
@@ -68,7 +70,8 @@ private:
       timing_mutex_; ///< guards these three, and is held for no other lock
   mutable guint64 reading_ = 0;
   mutable TactorTiming timing_{ nullptr, 0 };
-  mutable GstClockTimeDiff delay_ = 0; ///< latency + ts-offset
+  mutable GstClockTimeDiff delay_ = 0; ///< latency + ts-offset + the user's
+  std::atomic<GstClockTimeDiff> users_delay_{ 0 };
   TactorGrid grid_;
   std::optional<tactor::Time> last_lead_short_; ///< streaming thread only
   TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first

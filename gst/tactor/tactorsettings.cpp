@@ -73,6 +73,10 @@ constexpr P kProperties[] = {
                      "Factor on all levels, from the next map on; 0: all motors at zero, at once",
                      kControllable, PROPERTY_FIELD(planner.intensity), P::Range{ 0, 1 }),
   P::flag("mute", "All motors at zero, at once", kControllable, PROPERTY_FIELD(mute)),
+  P::number<gdouble>("delay",
+                     "Delay of all vibration in ms. A negative one of the start delays all other "
+                     "sinks instead",
+                     kPlaying, PROPERTY_FIELD(delay), P::Range{ -500, 500 }),
   P::parsed<write_mapping, read_mapping>(
       "mapping",
       "Tactor of each cell, row by row, -1 for none, as in 2,1,0 (empty: cell i is tactor i)",

@@ -23,6 +23,7 @@ struct TactorSettings
   bool mute = false;
   bool realtime = true;
   bool guardian = true;
+  double delay = 0; ///< of all vibration, in ms
   tactor::Time ramp_in = std::chrono::milliseconds(100);
   std::string mapping_error; ///< why the last mapping was refused; empty: it was not
 
@@ -30,6 +31,11 @@ struct TactorSettings
   bool is_silent() const
   {
     return mute || planner.intensity <= 0;
+  }
+  tactor::Time delay_time() const
+  {
+    return std::chrono::duration_cast<tactor::Time>(
+        std::chrono::duration<double, std::milli>(delay));
   }
   tactor::Time ramp_in_time() const
   {

@@ -65,6 +65,7 @@ ChairProperties::open()
                         ("Changes of the settings apply at the next start only."),
                         ("the system has no more threads"));
   chair::Settings settings = chair::read_settings();
+  settings.leave_out_shakers();
   complain(settings);
   apply(settings, true);
   return settings;
@@ -95,11 +96,6 @@ ChairProperties::apply(const chair::Settings &settings, bool all)
                                                       : std::optional(found->second);
     if (!all && !value && !settings.complaints.empty())
       continue; // it may be what was refused
-    if (std::strcmp(key.name, chair::kDelay) == 0) {
-      give("ts-offset",
-           value ? std::optional(std::to_string(chair::parse_delay(*value))) : std::nullopt);
-      continue;
-    }
     if (key.kind != chair::Kind::grid) {
       give(key.name, value);
       continue;

@@ -176,16 +176,24 @@ parse_grid(const std::string &value)
   return grid.rows > 0 && grid.columns > 0 ? grid : Grid{};
 }
 
-std::int64_t
-parse_delay(const std::string &value)
-{
-  return static_cast<std::int64_t>(parse<double>(value).value_or(0) * 1e6);
-}
-
 bool
 Settings::enabled(bool otherwise) const
 {
   return values.contains(kEnabled) ? is_on(values) : otherwise;
+}
+
+void
+Settings::leave_out_shakers()
+{
+  const auto driver = values.find("driver");
+  if (driver == values.end() || driver->second != kShakers)
+    return;
+  values.erase(driver);
+  values.erase("device");
+  for (const char *key : kOfDevice)
+    values.erase(key);
+  complaints.emplace_back("this program plays on no shakers (driver=audio), but on the board that "
+                          "is connected; visuotactile-play plays on them");
 }
 
 std::vector<std::string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -10,6 +10,9 @@
 
 /// Settings of the user, for all players or for one, which have no setting of their own.
 namespace chair {
+
+/// The driver of shakers at a sound card, on which only some programs play.
+inline constexpr const char *kShakers = "audio";
 
 /// The kind of values that a key takes.
 enum class Kind
@@ -22,7 +25,7 @@ enum class Kind
   path,   ///< an absolute path of a file
 };
 
-/// A setting. All but `enabled`, `grid` and `delay` have the name of a property of an element.
+/// A setting. All but `enabled` and `grid` have the name of a property of an element.
 struct Key
 {
   const char *name;
@@ -67,10 +70,10 @@ struct Grid
 /// A value of Kind::grid, else rows and columns 0.
 Grid parse_grid(const std::string &value);
 
-/// A value of `delay`, in ns.
-std::int64_t parse_delay(const std::string &value);
-
 using Values = std::map<std::string, std::string>;
+
+/// The keys that belong to a device, not to the user.
+inline constexpr std::array kOfDevice = { kGrid, "mapping", "calibration" };
 
 /// The settings of one program.
 struct Settings
@@ -81,6 +84,10 @@ struct Settings
 
   /// Switched on or off for this program. Where nothing is said: `otherwise`.
   bool enabled(bool otherwise) const;
+
+  /// For a program that cannot play on shakers: its driver is the usual one instead, with a
+  /// complaint.
+  void leave_out_shakers();
 };
 
 /// The names by which this process finds its section: of the executable file, and g_get_prgname().

@@ -4,6 +4,7 @@
 #include "files/regular_file.h"
 
 #include <cerrno>
+#include <cstdlib>
 
 #include <fcntl.h>
 #include <glib/gstdio.h>
@@ -147,13 +148,61 @@ SettingsFile::unset(const std::string &section, const std::string &key)
   return true;
 }
 
+/// The section in which the settings of a device wait that is not used.
+static std::string
+waiting_section(const std::string &driver, const std::string &device)
+{
+  g_autofree gchar *name = g_uri_escape_string(device.c_str(), " /@:", TRUE);
+  return "device " + driver + (device.empty() ? "" : " ") + name;
+}
+
+/// Those of the device; in `to` are no others afterwards.
+void
+SettingsFile::move_keys(const std::string &from, const std::string &to)
+{
+  for (const char *key : kOfDevice) {
+    unset(to, key);
+    g_autofree gchar *value = g_key_file_get_value(file_.get(), from.c_str(), key, nullptr);
+    if (value)
+      g_key_file_set_value(file_.get(), to.c_str(), key, value);
+    unset(from, key);
+  }
+}
+
+void
+SettingsFile::use(const std::string &driver, const std::string &device)
+{
+  std::vector<std::string> complaints;
+  Values former = values(kEveryProgram, complaints);
+  const std::string former_driver
+      = former.try_emplace("driver", "auto").first->second; // as programs read it
+  const std::string &former_device = former["device"];
+  if (former_driver == driver && former_device == device)
+    return;
+  move_keys(kEveryProgram, waiting_section(former_driver, former_device));
+  move_keys(waiting_section(driver, device), kEveryProgram);
+  set(kEveryProgram, "driver", driver);
+  if (device.empty())
+    unset(kEveryProgram, "device");
+  else
+    set(kEveryProgram, "device", device);
+}
+
+/// The file that is written: a link is kept.
+static std::string
+target_of(const std::string &path)
+{
+  const std::unique_ptr<char, void (*)(void *)> target(realpath(path.c_str(), nullptr), std::free);
+  return target ? target.get() : path;
+}
+
 tl::expected<void, std::string>
 SettingsFile::save() const
 {
   g_autoptr(GError) error = nullptr;
   if (!make_settings_folder(path_))
     return cannot_make(path_);
-  if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
+  if (!g_key_file_save_to_file(file_.get(), target_of(path_).c_str(), &error))
     return Error("cannot write the settings '" + path_ + "': " + error->message);
   return {};
 }

@@ -42,11 +42,16 @@ public:
   /// Whether it was set. The last key takes its section with it.
   bool unset(const std::string &section, const std::string &key);
 
+  /// Makes a device that of [chair]. Grid, mapping and calibration of the former one are kept for
+  /// it, and those of this one are back. `device` may be empty: the driver's usual one.
+  void use(const std::string &driver, const std::string &device);
+
   /// Writes atomically, and makes the folder. An error is one line with the path.
   tl::expected<void, std::string> save() const;
 
 private:
   explicit SettingsFile(std::string path);
+  void move_keys(const std::string &from, const std::string &to);
 
   std::string path_;
   std::unique_ptr<GKeyFile, void (*)(GKeyFile *)> file_;

@@ -73,8 +73,48 @@ mkdir "$file"
 expect 1 on
 rmdir "$file"
 
+# A link stays one, and its target is written.
+printf '[chair]\nintensity=0.5\n' >elsewhere
+ln -s "$work/elsewhere" "$file"
+expect 0 set mute=true
+[ -L "$file" ] && grep -q mute=true elsewhere || fail "a link was replaced: $(ls -l "$file")"
+rm "$file"
+
+# ---- devices ----
+# What belongs to a device is kept for it.
+printf '[chair]\ngrid=2x4\nmapping=1,0\nintensity=0.5\n' >"$file"
+expect 0 use driver=gamepad "device=Bob's [pad]"
+expect 0 list
+said "$(printf '[chair]\ndevice=Bob'\''s [pad]\ndriver=gamepad\nintensity=0.5')"
+said "$(printf '[device auto]\ngrid=2x4\nmapping=1,0')"
+cp "$file" before
+expect 0 use driver=gamepad "device=Bob's [pad]"
+cmp before "$file" || fail "the device that is used already changes the file"
+expect 0 set mapping=0,0
+expect 0 use driver=auto
+expect 0 use driver=simulator
+expect 0 use driver=gamepad "device=Bob's [pad]"
+expect 0 list
+said "mapping=0,0"
+expect 0 use driver=auto
+expect 0 list
+said "$(printf '[chair]\ndriver=auto\ngrid=2x4\nintensity=0.5\nmapping=1,0')"
+# In German, --help has the same parts.
+expect 0 --help
+wc -l <said >lines
+LC_ALL=C.UTF-8 LANGUAGE=de expect 0 --help
+wc -l <said | cmp - lines || fail "the help in German has other parts: $(cat said)"
+expect 2 use gamepad
+expect 2 use device=x
+expect 2 use driver=gamepad mute=true
+rm "$file"
+
 # ---- what is there ----
 expect 1 devices
+mkdir -p "$work/state/visuotactile"
+printf 'bhaptics\nvest-back\nVest\n' >"$work/state/visuotactile/device"
+XDG_STATE_HOME=$work/state expect 1 devices
+said "driver=bhaptics 'device=vest-back'  Vest, not connected now"
 said 'No device is connected: plug in a board or a gamepad'
 mkdir bin
 printf '#!/bin/sh\n' >bin/totem
@@ -152,7 +192,7 @@ lacks intensity=
 [ -s said ] && fail "without settings it says: $(cat said)"
 expect 0 set driver=simulator device=chair grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true delay=20 sensitivity=2 density=0.25 people=fast sound=music
 line
-for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true ts-offset=20000000 sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
+for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true delay=20 sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do
   has "$setting"
 done
 said "settings of the user: driver=simulator, device=chair, mapping=7,6,5,4,3,2,1,0, intensity=0.5, mute=true, delay=20, sensitivity=2, density=0.25, people=fast, sound=music, grid=2x4"
@@ -176,6 +216,15 @@ for setting in device=chair rows=2 columns=4; do
 done
 line --quiet
 [ -s said ] && fail "with --quiet it says: $(cat said)"
+# Shakers are for programs that can play on them; another one says so.
+expect 0 use driver=audio device=Card
+expect 1 test # simulated: there is no board
+said 'plays on no shakers'
+if [ -n "${FOLLOW:-}" ]; then
+  "$FOLLOW" --list-players >said 2>&1 || fail "visuotactile-follow with shakers: $(cat said)"
+  said 'plays on no shakers'
+fi
+expect 0 use driver=simulator device=chair
 # A section of its own.
 expect 0 set --program=visuotactile-play intensity=0.25
 line

@@ -45,9 +45,12 @@ ChairOptions::check(UserDefaults &defaults) const
 std::string
 ChairOptions::sink_line() const
 {
-  std::array<char, G_ASCII_DTOSTR_BUF_SIZE> number{};
-  std::string line = "tactorsink rate=0 driver=" + launch_value(driver.text()) + " intensity="
-                     + g_ascii_dtostr(number.data(), static_cast<gint>(number.size()), intensity);
+  const auto text = [](gdouble number) -> std::string {
+    std::array<char, G_ASCII_DTOSTR_BUF_SIZE> digits{};
+    return g_ascii_dtostr(digits.data(), static_cast<gint>(digits.size()), number);
+  };
+  std::string line = "tactorsink rate=0 driver=" + launch_value(driver.text())
+                     + " intensity=" + text(intensity) + " delay=" + text(delay);
   const auto add = [&line](const char *property, const TextOption &option) {
     if (option.is_set())
       line += std::string(" ") + property + "=" + launch_value(option.text());

@@ -17,7 +17,7 @@ struct ChairOptions
   TextOption trace{};
   gdouble intensity = 1;
   gboolean mute = FALSE; ///< a setting of the user alone
-  gdouble delay = 0;     ///< likewise; applied by LiveSettings
+  gdouble delay = 0;     ///< likewise
 
   /// Before the command line is read.
   void fill(UserDefaults &defaults);

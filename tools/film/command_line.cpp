@@ -4,6 +4,7 @@
 #include "program.h"
 
 #include <algorithm>
+#include <clocale>
 #include <cstdio>
 #include <numeric>
 #include <string_view>
@@ -27,6 +28,25 @@ help_text(GOptionContext *context)
   text.erase(text.find_last_not_of('\n') + 2);
   return text;
 }
+
+/// GLib's own texts are English while this lives, as the texts of the programs around them.
+class EnglishGLib
+{
+public:
+  EnglishGLib() : users_(std::setlocale(LC_MESSAGES, nullptr))
+  {
+    std::setlocale(LC_MESSAGES, "C");
+  }
+  ~EnglishGLib()
+  {
+    std::setlocale(LC_MESSAGES, users_.c_str());
+  }
+  EnglishGLib(const EnglishGLib &) = delete;
+  EnglishGLib &operator=(const EnglishGLib &) = delete;
+
+private:
+  std::string users_;
+};
 
 bool
 wants_help(int argc, char **argv)
@@ -130,6 +150,7 @@ std::vector<std::string>
 parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions &common,
               const Usage &usage)
 {
+  const EnglishGLib english;
   g_auto(GStrv) rest = nullptr;
   const GOptionEntry common_entries[]
       = { { "force", 'f', 0, G_OPTION_ARG_NONE, &common.force, usage.force_help, nullptr },

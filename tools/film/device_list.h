@@ -3,6 +3,8 @@
 
 #include "pipeline.h"
 
+#include "chair/settings.h"
+
 #include <gst/gst.h>
 
 #include <functional>
@@ -10,7 +12,7 @@
 #include <vector>
 
 /// The driver of programs for shakers at a sound card. All others are tactorsink's.
-inline constexpr const char *kAudio = "audio";
+inline constexpr const char *kAudio = chair::kShakers;
 
 /// Calls `with` for each device of a class. The devices are only listed, not opened.
 void for_each_device(const char *classes, const std::function<void(GstDevice *)> &with);

@@ -2,7 +2,6 @@
 #include "live_settings.h"
 
 #include <array>
-#include <cstring>
 
 namespace {
 
@@ -44,9 +43,7 @@ LiveSettings::at_start()
   return values;
 }
 
-LiveSettings::LiveSettings()
-    : now_(at_start()), delay_(chair::parse_delay(now_.at(chair::kDelay))),
-      watch_([this] { apply(); })
+LiveSettings::LiveSettings() : now_(at_start()), watch_([this] { apply(); })
 {
 }
 
@@ -66,23 +63,14 @@ LiveSettings::apply()
 {
   const std::lock_guard lock(mutex_);
   read(now_);
-  delay_ = chair::parse_delay(now_.at(chair::kDelay));
   if (sink_ == nullptr)
     return;
   for (const LiveKey &key : kKeys) {
     if (now_.at(key.name) == applied_.at(key.name))
       continue;
-    if (std::strcmp(key.name, chair::kDelay) != 0) {
+    // Shakers have no delay.
+    if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink_.get()), key.name) != nullptr)
       gst_util_set_object_arg(G_OBJECT(sink_.get()), key.name, now_.at(key.name).c_str());
-      continue;
-    }
-    if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink_.get()), "ts-offset") == nullptr)
-      continue; // shakers
-    // The offset of a followed player's sink is more than the delay.
-    gint64 offset = 0;
-    g_object_get(sink_.get(), "ts-offset", &offset, nullptr);
-    offset += delay_ - chair::parse_delay(applied_.at(key.name));
-    g_object_set(sink_.get(), "ts-offset", offset, nullptr);
   }
   applied_ = now_;
 }

@@ -6,7 +6,6 @@
 #include "chair/settings.h"
 #include "chair/settings_watch.h"
 
-#include <atomic>
 #include <mutex>
 
 /// Applies changes of the user's `intensity`, `mute` and `delay` to a sink of maps while it plays.
@@ -24,12 +23,6 @@ public:
   /// options: what the user has changed since then is applied to it.
   void attach(GstElement *sink);
 
-  /// The user's delay of all vibration, in ns. Any thread.
-  GstClockTimeDiff delay() const
-  {
-    return delay_;
-  }
-
 private:
   void apply();
 
@@ -37,6 +30,5 @@ private:
   chair::Values now_;        ///< of live keys; guarded by the mutex
   chair::Values applied_;    ///< to the sink; guarded by the mutex
   Owned<GstElement> sink_{}; ///< guarded by the mutex
-  std::atomic<GstClockTimeDiff> delay_;
   chair::SettingsWatch watch_;
 };

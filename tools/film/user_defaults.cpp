@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <utility>
 
-UserDefaults::UserDefaults(const char *program) : program_(program)
+UserDefaults::UserDefaults(const char *program, bool plays_on_shakers) : program_(program)
 {
   chair::Settings settings = chair::read_settings();
+  if (!plays_on_shakers)
+    settings.leave_out_shakers();
   for (const std::string &complaint : settings.complaints)
     print_error(program, complaint);
   values_ = std::move(settings.values);

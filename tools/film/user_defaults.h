@@ -15,8 +15,8 @@ class UserDefaults
 public:
   /// Without settings: fills nothing.
   UserDefaults() = default;
-  /// Reads the settings. Prints a line for each entry that cannot be read.
-  explicit UserDefaults(const char *program);
+  /// Reads the settings. Prints a line for each entry that cannot be read or used.
+  explicit UserDefaults(const char *program, bool plays_on_shakers = false);
 
   /// Does nothing if the user has not set `key`. The option must outlive this object.
   void fill(const char *key, TextOption &option);

@@ -2,6 +2,7 @@
 #include "house/missing.h"
 
 #include "house/translation.h"
+#include "tactor/drivers/last_device.h"
 
 #include <glib.h>
 
@@ -57,7 +58,9 @@ std::filesystem::path
 node_of(const FoundDevice &device, const System &system)
 {
   if (device.bus_path.empty())
-    return device.driver == "gamepad" ? system.root / device.device.substr(1) : "";
+    return device.driver == "gamepad" && device.device.starts_with('/')
+               ? system.root / device.device.substr(1)
+               : "";
   const auto folder = system.root / "sys/bus/usb/devices" / device.bus_path;
   std::array<char, 32> name{};
   std::snprintf(name.data(), name.size(), "%03u/%03u", number_in(folder / "busnum"),
@@ -95,6 +98,23 @@ waiting_servers(const System &system)
     if (std::ranges::find(ports, server.port) != ports.end())
       drivers.emplace_back(server.driver);
   return drivers;
+}
+
+std::optional<FoundDevice>
+absent_device(const std::vector<FoundDevice> &found, const std::vector<std::string> &servers)
+{
+  const std::optional<tactor::LastDevice> last = tactor::last_device();
+  const auto is_it = [&last](const FoundDevice &device) {
+    return device.driver == last->driver
+           && (last->device.empty() || last->device == device.device
+               || last->device == device.name);
+  };
+  if (!last || std::ranges::find(servers, last->driver) != servers.end()
+      || std::ranges::any_of(found, is_it))
+    return std::nullopt;
+  return FoundDevice{ .name = in_text("{}, not connected now", last->board),
+                      .driver = last->driver,
+                      .device = last->device };
 }
 
 std::vector<std::string>

@@ -80,38 +80,40 @@ link(const Script &script, bool on)
       fs::remove(script.link, error);
   } else if (std::error_code none;
              fs::symlink_status(script.link, none).type() != fs::file_type::not_found) {
-    throw std::runtime_error("'" + script.link.string()
-                             + "' is there, and not by this program; move it away first");
+    throw std::runtime_error(in_text("'{}' is there, and not by this program; move it away first",
+                                     script.link.string()));
   } else if (on) {
     if (!fs::exists(source_of(script), error))
-      throw std::runtime_error("'" + source_of(script).string()
-                               + "' is missing; install the package visuotactile-tools");
+      throw std::runtime_error(in_text("'{}' is missing; install the package visuotactile-tools",
+                                       source_of(script).string()));
     fs::create_directories(script.link.parent_path(), error);
     if (!error)
       fs::create_symlink(source_of(script), script.link, error);
   }
   if (error)
-    throw std::runtime_error("cannot change '" + script.link.string() + "': " + error.message());
+    throw std::runtime_error(in_text("'{}' cannot be changed", script.link.string()) + ": "
+                             + error.message());
 }
 
 bool
 is_followed()
 {
   std::error_code error;
-  return fs::exists(fs::path(g_get_user_config_dir())
-                        / "systemd/user/graphical-session.target.wants" / kUnit,
-                    error);
+  const auto wanted = fs::path("systemd/user/graphical-session.target.wants") / kUnit;
+  return fs::exists(g_get_user_config_dir() / wanted, error)
+         || fs::exists("/etc" / wanted, error); // for all users
 }
 
 void
-switch_service(bool on)
+systemctl(std::vector<std::string> verb)
 {
-  const ProgramEnd end
-      = run_program({ "systemctl", "--user", "--now", on ? "enable" : "disable", kUnit }, "systemd",
-                    [](std::string_view) {});
+  const std::string what = verb.back();
+  verb.insert(verb.begin(), { "systemctl", "--user" });
+  verb.emplace_back(kUnit);
+  const ProgramEnd end = run_program(verb, "systemd", [](std::string_view) {});
   if (end.status != 0)
-    throw std::runtime_error("systemctl cannot " + std::string(on ? "enable" : "disable") + " "
-                             + kUnit + ": " + end.complaint);
+    throw std::runtime_error(in_text("systemctl cannot {}", what + " " + kUnit) + ": "
+                             + end.complaint);
 }
 
 } // namespace
@@ -148,6 +150,13 @@ switches()
   return all;
 }
 
+void
+restart_follow()
+{
+  if (is_followed())
+    systemctl({ "try-restart" });
+}
+
 bool
 switch_outside_settings(const std::string &name, bool on)
 {
@@ -158,6 +167,6 @@ switch_outside_settings(const std::string &name, bool on)
     }
   if (name != "follow")
     return false;
-  switch_service(on);
+  systemctl({ "--now", on ? "enable" : "disable" });
   return true;
 }

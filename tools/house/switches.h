@@ -20,3 +20,6 @@ std::vector<Switch> switches();
 /// Switches mpv, kodi or follow; false for another name, whose switch is in the settings. Throws
 /// std::runtime_error: a file of the user is in the way, or the session has no systemd.
 bool switch_outside_settings(const std::string &name, bool on);
+
+/// Follow's service, if it runs, plays on the device of the settings.
+void restart_follow();

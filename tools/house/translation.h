@@ -5,7 +5,7 @@
 
 #include <string>
 
-/// Texts in the user's language, from po/. Numbers and sorting stay as they are.
+/// Texts in the user's language, from po/. Sets no other part of the locale.
 void use_translations();
 
 /// The translation of a literal.

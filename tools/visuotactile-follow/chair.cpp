@@ -88,18 +88,20 @@ Chair::close()
 follow::Time
 Chair::ahead() const
 {
-  return kSlack + follow::Time(std::max<GstClockTimeDiff>(-live_.delay(), 0))
-         + (sink_ ? follow::Time(gst_base_sink_get_render_delay(GST_BASE_SINK(sink_.get())))
-                  : follow::Time(0));
+  if (!sink_)
+    return kSlack;
+  gdouble delay = 0; // ms
+  g_object_get(sink_.get(), "delay", &delay, nullptr);
+  return kSlack + follow::Time(static_cast<gint64>(std::max(-delay, 0.0) * 1e6))
+         + follow::Time(gst_base_sink_get_render_delay(GST_BASE_SINK(sink_.get())));
 }
 
-/// Cancels the latency of the pipeline, since cues are known ahead of time. The user's delay stays.
+/// Cancels the latency of the pipeline, since cues are known ahead of time.
 void
 Chair::undo_latency()
 {
   auto *sink = GST_BASE_SINK(sink_.get());
-  const auto offset
-      = live_.delay() - static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink));
+  const auto offset = -static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink));
   if (gst_base_sink_get_ts_offset(sink) != offset)
     g_object_set(sink, "ts-offset", offset, nullptr);
 }

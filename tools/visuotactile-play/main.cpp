@@ -24,7 +24,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -166,7 +165,7 @@ chair_line(const Options &options)
   if (options.mute)
     line += " mute=true";
   if (options.delay != 0 && options.driver.text() != kAudio)
-    line += " ts-offset=" + std::to_string(std::llround(options.delay * 1e6));
+    line += " delay=" + number_text(options.delay);
   if (options.mapping.is_set())
     line += " mapping=" + launch_value(options.mapping.text());
   if (options.calibration.is_set() && options.driver.text() != kAudio)

@@ -34,7 +34,7 @@ fill(Options &options, UserDefaults &defaults)
 void
 read_command_line(int argc, char **argv, Options &options)
 {
-  UserDefaults defaults(kProgram);
+  UserDefaults defaults(kProgram, true);
   fill(options, defaults);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output.value,

@@ -9,4 +9,5 @@ int switch_on(int argc, char **argv);
 int switch_off(int argc, char **argv);
 int devices(int argc, char **argv);
 int players(int argc, char **argv);
+int use(int argc, char **argv);
 int test(int argc, char **argv);

@@ -29,20 +29,23 @@ devices(int argc, char **argv)
 {
   CommonOptions common;
   parse(argc, argv, common,
-        "Prints the connected devices, each as arguments of 'set', and the reason if one cannot\n"
+        "Prints the connected devices, each as arguments of 'use', and the reason if one cannot\n"
         "be felt. Exit status 1: something is missing. Opens none.");
   gst_init(nullptr, nullptr);
-  const std::vector<FoundDevice> found = found_devices();
+  std::vector<FoundDevice> found = found_devices();
+  const std::vector<std::string> lines = missing(found);
+  if (const std::optional<FoundDevice> absent = absent_device(found, waiting_servers()))
+    found.insert(found.begin(), *absent);
   for (const FoundDevice &device : found) {
     g_autofree gchar *argument = g_shell_quote(("device=" + device.device).c_str());
     if (!common.quiet)
-      std::printf("driver=%s %s  %s\n", device.driver.c_str(), argument,
+      std::printf("driver=%s %s  %s\n", device.driver.c_str(),
+                  device.device.empty() ? "" : argument,
                   device.driver == kAudio ? "shakers at a sound card" : device.name.c_str());
   }
   for (const std::string &server : waiting_servers())
     if (!common.quiet)
       std::printf("driver=%s  its server runs here; name a device\n", server.c_str());
-  const std::vector<std::string> lines = missing(found);
   for (const std::string &line : lines)
     print_error("visuotactile-settings", line);
   return lines.empty() ? 0 : 1;

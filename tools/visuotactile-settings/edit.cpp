@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 namespace {
 
@@ -53,6 +54,21 @@ key_of(const std::string &name)
   throw UsageError("unknown key '" + name + "': expected one of " + chair::names_of_keys());
 }
 
+/// Of KEY=VALUE.
+std::pair<std::string, std::string>
+pair_of(const std::string &argument)
+{
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos)
+    throw UsageError("expected KEY=VALUE, got '" + argument + "'");
+  const chair::Key &key = key_of(argument.substr(0, equals));
+  std::string value = argument.substr(equals + 1);
+  if (!chair::takes(key, value))
+    throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"
+                     + value + "'");
+  return { key.name, std::move(value) };
+}
+
 void
 check_program(const std::string &name)
 {
@@ -94,9 +110,15 @@ enable(int argc, char **argv, const char *value, const char *summary)
   if (programs.empty())
     programs.emplace_back(chair::kEveryProgram);
   const bool on = std::string_view(value) == "true";
-  const auto switched = std::ranges::remove_if(
-      programs, [on](const std::string &program) { return switch_outside_settings(program, on); });
-  programs.erase(switched.begin(), switched.end());
+  std::string failed;
+  std::erase_if(programs, [&](const std::string &program) {
+    try {
+      return switch_outside_settings(program, on);
+    } catch (const std::runtime_error &error) { // the others are switched all the same
+      failed += (failed.empty() ? "" : "; ") + std::string(error.what());
+      return true;
+    }
+  });
   if (!programs.empty()) {
     chair::SettingsFile file = load_to_change();
     for (const std::string &program : programs)
@@ -104,9 +126,10 @@ enable(int argc, char **argv, const char *value, const char *summary)
     save(file);
   }
   if (!common.quiet && !programs.empty())
-    std::printf("written: %s\n", chair::settings_path().c_str());
-  if (!common.quiet)
-    std::puts("It applies to players that start from now on.");
+    std::printf("written: %s\nIt applies to players that start from now on.\n",
+                chair::settings_path().c_str());
+  if (!failed.empty())
+    throw std::runtime_error(failed);
   return 0;
 }
 
@@ -142,13 +165,45 @@ list(int argc, char **argv)
 }
 
 int
+use(int argc, char **argv)
+{
+  CommonOptions common;
+  const GOptionEntry none[] = { {} };
+  const std::vector<std::string> arguments
+      = parse_options(argc, argv, none, common,
+                      { .arguments = "driver=NAME [device=ID]",
+                        .summary = "Chooses the device of all programs, as 'devices' prints it. "
+                                   "Grid, mapping and\ncalibration of the former one are kept "
+                                   "for the next time.",
+                        .least = 1,
+                        .most = 2 });
+  chair::Values chosen;
+  for (const std::string &argument : arguments) {
+    const auto [name, value] = pair_of(argument);
+    if (name != "driver" && name != "device")
+      throw UsageError("expected driver=NAME and maybe device=ID, got '" + argument + "'");
+    chosen[name] = value;
+  }
+  if (!chosen.contains("driver"))
+    throw UsageError("expected driver=NAME");
+  chair::SettingsFile file = load_to_change();
+  file.use(chosen["driver"], chosen["device"]);
+  save(file);
+  if (!common.quiet)
+    std::printf("written: %s\n", chair::settings_path().c_str());
+  restart_follow();
+  return 0;
+}
+
+int
 set(int argc, char **argv)
 {
   TextOption program;
   CommonOptions common;
   const GOptionEntry entries[] = { program_entry(program), {} };
   const std::string summary
-      = "Changes settings. intensity, mute, sensitivity and density apply at once.\n"
+      = "Changes settings. intensity, mute and delay apply at once; in players with GStreamer,\n"
+        "sensitivity, density and sound do, too.\n"
         + table_of_keys();
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
@@ -156,16 +211,8 @@ set(int argc, char **argv)
   const std::string section = section_of(program);
   chair::SettingsFile file = load_to_change();
   for (const std::string &argument : arguments) {
-    const std::size_t equals = argument.find('=');
-    if (equals == std::string::npos)
-      throw UsageError("expected KEY=VALUE, got '" + argument + "'");
-    const std::string name = argument.substr(0, equals);
-    const chair::Key &key = key_of(name);
-    const std::string value = argument.substr(equals + 1);
-    if (!chair::takes(key, value))
-      throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"
-                       + value + "'");
-    file.set(section, key.name, value);
+    const auto [name, value] = pair_of(argument);
+    file.set(section, name, value);
   }
   save(file);
   if (!common.quiet)

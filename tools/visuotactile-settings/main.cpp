@@ -16,6 +16,7 @@ static constexpr std::array kCommands = {
   Command{ "off", switch_off, "disable the chair in players" },
   Command{ "set", set, "change settings" },
   Command{ "unset", unset, "remove settings" },
+  Command{ "use", use, "choose a device" },
   Command{ "test", test, "drive one tactor after the other" },
 };
 

@@ -49,11 +49,22 @@ ChairPage::ChairPage(const Shared &shared)
 ChairPage::~ChairPage()
 {
   *alive_ = false;
-  if (settled_ != 0)
-    g_source_remove(settled_);
+  for (const Value &value : values_) {
+    if (value.settles != 0)
+      g_source_remove(value.settles);
+    g_object_unref(value.shown);
+  }
   stop_test();
   if (tested_)
     tested_->forget();
+}
+
+void
+ChairPage::write_all()
+{
+  for (Value &value : values_)
+    if (value.settles != 0)
+      write(value);
 }
 
 GtkWidget *
@@ -72,35 +83,55 @@ ChairPage::make_strength()
     gtk_grid_attach(GTK_GRID(grid), widget, 1, line, 1, 1);
     gtk_widget_set_hexpand(widget, TRUE);
   };
-  intensity_ = gtk_scale_new_with_range(GTK_ORIENTATION_HORIZONTAL, 0, 100, 5);
-  gtk_scale_set_draw_value(GTK_SCALE(intensity_), TRUE);
-  gtk_scale_set_value_pos(GTK_SCALE(intensity_), GTK_POS_RIGHT);
-  gtk_widget_set_tooltip_text(intensity_, "visuotactile-settings set intensity=0.5");
+  GtkWidget *intensity = gtk_scale_new_with_range(GTK_ORIENTATION_HORIZONTAL, 0, 100, 5);
+  gtk_scale_set_draw_value(GTK_SCALE(intensity), TRUE);
+  gtk_scale_set_value_pos(GTK_SCALE(intensity), GTK_POS_RIGHT);
+  gtk_widget_set_tooltip_text(intensity, "visuotactile-settings set intensity=0.5");
   delay_ = gtk_spin_button_new_with_range(-500, 500, 5);
+  gtk_spin_button_set_digits(GTK_SPIN_BUTTON(delay_), 1);
   gtk_widget_set_tooltip_text(delay_, "visuotactile-settings set delay=20");
   gtk_widget_set_halign(delay_, GTK_ALIGN_START);
-  attach(_("_Intensity (%)"), intensity_, 0);
+  attach(_("_Intensity (%)"), intensity, 0);
   attach(_("De_lay (ms)"), delay_, 1);
-  for (GtkWidget *widget : { intensity_, delay_ })
-    connect(widget, "value-changed", [this] {
-      if (shows_)
-        return;
-      if (settled_ != 0)
-        g_source_remove(settled_);
-      settled_ = g_timeout_add_once(
-          kSettle,
-          +[](gpointer data) {
-            auto *self = static_cast<ChairPage *>(data);
-            self->settled_ = 0;
-            self->shared_.change(
-                { "visuotactile-settings", "set",
-                  "intensity=" + number(gtk_range_get_value(GTK_RANGE(self->intensity_)) / 100),
-                  "delay=" + number(gtk_spin_button_get_value(GTK_SPIN_BUTTON(self->delay_))) },
-                {});
-          },
-          this);
+  values_[0].shown = gtk_range_get_adjustment(GTK_RANGE(intensity));
+  values_[1].shown = gtk_spin_button_get_adjustment(GTK_SPIN_BUTTON(delay_));
+  for (Value &value : values_) {
+    g_object_ref(value.shown); // it is read when its widget is gone
+    connect(value.shown, "value-changed", [this, &value] {
+      if (!shows_)
+        settle(value);
     });
+  }
   return grid;
+}
+
+void
+ChairPage::settle(Value &value)
+{
+  if (value.settles != 0)
+    g_source_remove(value.settles);
+  value.settles = g_timeout_add_full(
+      G_PRIORITY_DEFAULT, kSettle,
+      +[](gpointer call) -> gboolean {
+        (*static_cast<std::function<void()> *>(call))();
+        return G_SOURCE_REMOVE;
+      },
+      new std::function<void()>([this, &value] {
+        value.settles = 0;
+        write(value);
+      }),
+      +[](gpointer call) { delete static_cast<std::function<void()> *>(call); });
+}
+
+void
+ChairPage::write(Value &value)
+{
+  if (const guint waits = std::exchange(value.settles, 0))
+    g_source_remove(waits);
+  shared_.change({ "visuotactile-settings", "set",
+                   std::string(value.key) + "="
+                       + number(gtk_adjustment_get_value(value.shown) / value.factor) },
+                 {});
 }
 
 GtkWidget *
@@ -125,21 +156,22 @@ void
 ChairPage::show_settings()
 {
   shows_ = true;
-  const chair::Settings settings = chair::read_settings();
-  const double intensity = g_ascii_strtod(setting(settings, "intensity", "1").c_str(), nullptr);
-  if (settled_ == 0) {
-    gtk_range_set_value(GTK_RANGE(intensity_), std::round(intensity * 100));
-    gtk_spin_button_set_value(
-        GTK_SPIN_BUTTON(delay_),
-        g_ascii_strtod(setting(settings, chair::kDelay, "0").c_str(), nullptr));
-  }
+  const chair::Values now = chair_values();
+  for (const Value &value : values_)
+    if (value.settles == 0)
+      gtk_adjustment_set_value(
+          value.shown,
+          value.factor * g_ascii_strtod(setting(now, value.key, value.usual).c_str(), nullptr));
+  gtk_widget_set_sensitive(delay_, setting(now, "driver", "auto") != chair::kShakers);
   shows_ = false;
+  show_chosen();
 }
 
 struct ChairPage::Look
 {
   ChairPage *page;
   std::shared_ptr<bool> alive;
+  unsigned number;
   std::vector<FoundDevice> found{};
   std::vector<std::string> servers{};
   std::vector<std::string> lines{};
@@ -153,12 +185,12 @@ ChairPage::look()
       nullptr, nullptr,
       +[](GObject *, GAsyncResult *result, gpointer) {
         const auto *look = static_cast<Look *>(g_task_get_task_data(G_TASK(result)));
-        if (*look->alive)
+        if (*look->alive && look->number == look->page->looks_)
           look->page->show_devices(look->found, look->servers, look->lines);
       },
       nullptr);
   g_task_set_task_data(
-      task, new Look{ .page = this, .alive = alive_ },
+      task, new Look{ .page = this, .alive = alive_, .number = ++looks_ },
       +[](gpointer look) { delete static_cast<Look *>(look); });
   g_task_run_in_thread(
       task, +[](GTask *self, gpointer, gpointer data, GCancellable *) {
@@ -183,8 +215,9 @@ ChairPage::show_devices(const std::vector<FoundDevice> &found,
     add(missing_, label);
   }
   clear(devices_);
-  first_ = nullptr;
-  shows_ = true;
+  offers_.clear();
+  if (const std::optional<FoundDevice> last = absent_device(found, servers))
+    put({ last->name, last->driver, last->device });
   put({ _("The board that is connected, otherwise simulated motors"), "auto", "" });
   for (const FoundDevice &device : found)
     put({ device.driver == kAudio
@@ -197,14 +230,13 @@ ChairPage::show_devices(const std::vector<FoundDevice> &found,
       put({ _("Vest of bHaptics, back"), "bhaptics", "vest-back" });
     }
   put({ _("No hardware: simulated motors"), "simulator", "" });
-  const chair::Settings settings = chair::read_settings();
-  if (setting(settings, "driver", "auto") == "intiface")
-    put({ in_text("{} of Intiface", setting(settings, "device", "")), "intiface",
-          setting(settings, "device", "") });
+  const chair::Values now = chair_values();
+  if (setting(now, "driver", "auto") == "intiface")
+    put({ in_text("{} of Intiface", setting(now, "device", "")), "intiface",
+          setting(now, "device", "") });
   if (std::ranges::find(servers, "intiface") != servers.end())
     name_intiface();
-  shows_ = false;
-  show_motors();
+  show_chosen();
 }
 
 /// An entry, as a device of Intiface is never taken unless it is named.
@@ -223,71 +255,80 @@ ChairPage::name_intiface()
     if (device.empty())
       return;
     choose({ device, "intiface", device });
-    look();
   });
   add(line, label);
   add(line, entry);
   add(devices_, line);
 }
 
+/// Moving through the list chooses none: that is a click, Return or the space key.
 void
 ChairPage::put(const Choice &choice)
 {
-  GtkWidget *button = gtk_check_button_new_with_label(choice.name.c_str());
-  gtk_check_button_set_group(GTK_CHECK_BUTTON(button), first_ ? GTK_CHECK_BUTTON(first_) : nullptr);
-  if (first_ == nullptr)
-    first_ = button;
-  const chair::Settings settings = chair::read_settings();
-  const std::string device = setting(settings, "device", "");
-  if (setting(settings, "driver", "auto") == choice.driver
-      && (choice.driver == "auto" || choice.driver == "simulator" || device == choice.device))
-    gtk_check_button_set_active(GTK_CHECK_BUTTON(button), TRUE);
-  gtk_widget_set_tooltip_text(button, ("visuotactile-settings set driver=" + choice.driver
+  GtkWidget *button = gtk_toggle_button_new();
+  GtkWidget *line = row();
+  add(line, gtk_image_new_from_icon_name("object-select-symbolic"));
+  add(line, text_label(choice.name));
+  gtk_button_set_child(GTK_BUTTON(button), line);
+  gtk_button_set_has_frame(GTK_BUTTON(button), FALSE);
+  name(button, choice.name.c_str());
+  gtk_widget_set_tooltip_text(button, ("visuotactile-settings use driver=" + choice.driver
                                        + (choice.device.empty() ? "" : " device=" + choice.device))
                                           .c_str());
-  connect(button, "toggled", [this, button, choice] {
-    if (!shows_ && gtk_check_button_get_active(GTK_CHECK_BUTTON(button)))
-      choose(choice);
-  });
+  connect(button, "clicked", [this, choice] { choose(choice); });
   add(devices_, button);
+  offers_.push_back({ choice, button });
 }
 
 void
 ChairPage::choose(const Choice &choice)
 {
   stop_test();
-  std::vector<std::string> set{ "visuotactile-settings", "set", "driver=" + choice.driver };
+  std::vector<std::string> use{ "visuotactile-settings", "use", "driver=" + choice.driver };
   if (!choice.device.empty())
-    set.push_back("device=" + choice.device);
-  // The mapping and the rest of the former device are not of this one.
-  const bool unsets = choice.device.empty();
-  shared_.change(std::move(set), [this, unsets, alive = alive_](bool worked) {
-    if (!*alive || !worked)
-      return;
-    std::vector<std::string> unset{ "visuotactile-settings", "unset", "mapping", "calibration" };
-    if (unsets)
-      unset.emplace_back("device");
-    shared_.change(std::move(unset), [this, alive](bool) {
-      if (*alive)
-        show_motors();
-      for (const Switch &player : switches())
-        if (player.name == "follow" && player.is_on)
-          Command::start({ "systemctl", "--user", "try-restart", "visuotactile-follow" }, {});
-    });
+    use.push_back("device=" + choice.device);
+  const bool is_new = std::ranges::none_of(offers_, [&](const Offer &offer) {
+    return offer.choice.driver == choice.driver && offer.choice.device == choice.device;
   });
+  shared_.change(std::move(use), [this, is_new](bool) {
+    show_settings();
+    if (is_new)
+      look();
+  });
+}
+
+/// That of the settings.
+void
+ChairPage::show_chosen()
+{
+  const chair::Values now = chair_values();
+  const std::string driver = setting(now, "driver", "auto");
+  for (const auto &[choice, button] : offers_) {
+    const bool chosen = driver == choice.driver
+                        && (choice.device.empty() || choice.device == setting(now, "device", ""));
+    gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(button), chosen);
+    gtk_widget_set_opacity(gtk_widget_get_first_child(gtk_button_get_child(GTK_BUTTON(button))),
+                           chosen ? 1 : 0);
+  }
+  show_motors();
 }
 
 void
 ChairPage::show_motors()
 {
-  const chair::Settings settings = chair::read_settings();
+  const chair::Values now = chair_values();
+  const std::string shown = setting(now, "driver", "auto") + setting(now, "device", "")
+                            + setting(now, chair::kGrid, "");
+  if (shown == shown_)
+    return;
+  shown_ = shown;
   gtk_label_set_text(GTK_LABEL(felt_), _("Sit down, and start. A motor in the picture is felt "
                                          "alone."));
-  if (!has_grid(setting(settings, "driver", "auto"))) {
+  if (!has_grid(setting(now, "driver", "auto"))) {
     picture_.show_none();
     return;
   }
-  const chair::Grid grid = chair::parse_grid(setting(settings, chair::kGrid, "3x3"));
+  const chair::Grid grid = chair::parse_grid(setting(now, chair::kGrid, "3x3"));
   if (grid.rows > kMostSide || grid.columns > kMostSide)
     picture_.show_none();
   else
@@ -297,16 +338,24 @@ ChairPage::show_motors()
 void
 ChairPage::test(int motor)
 {
-  if (tested_) {
-    next_ = motor; // when the device is free
+  next_ = motor;
+  write_all();
+  if (tested_)
     tested_->stop();
+  else
+    shared_.when_changed([this] { start_test(); });
+}
+
+void
+ChairPage::start_test()
+{
+  if (!next_ || tested_)
     return;
-  }
-  if (setting(chair::read_settings(), "mute", "false") == "true") {
+  const int motor = *std::exchange(next_, std::nullopt);
+  if (setting(chair_values(), "mute", "false") == "true") {
     shared_.complain(_("All vibration is off: switch it on below."));
     return;
   }
-  shared_.complain("");
   std::vector<std::string> arguments{ "visuotactile-play", "--feel-test" };
   if (motor > 0)
     arguments.push_back("--motor=" + std::to_string(motor));
@@ -316,8 +365,9 @@ ChairPage::test(int motor)
                            { .line =
                                  [this, number](const std::string &line) {
                                    const bool is_motor = !line.starts_with("simulated");
-                                   const std::string shown
-                                       = is_motor ? picture_.light((*number)++, line) : line;
+                                   const std::string shown = is_motor
+                                                                 ? picture_.light((*number)++, line)
+                                                                 : _("The motors are simulated.");
                                    gtk_label_set_text(GTK_LABEL(felt_), shown.c_str());
                                  },
                              .ended = [this](const std::string &complaint) { tested(complaint); },
@@ -330,10 +380,11 @@ ChairPage::tested(const std::string &complaint)
   tested_ = nullptr;
   picture_.light(0, "");
   set_text(test_, _("_Feel all motors"));
-  if (const std::optional<int> next = std::exchange(next_, std::nullopt))
-    test(*next);
-  else if (!std::exchange(stops_, false) || complaint != "?")
-    shared_.complain(complaint); // of a test that was stopped, too: motors may still be on
+  const bool stopped = std::exchange(stops_, false) || next_;
+  if (!stopped || complaint != "?") // of one that was stopped, too: motors may still be on
+    shared_.report(complaint);
+  if (next_)
+    shared_.when_changed([this] { start_test(); });
 }
 
 void

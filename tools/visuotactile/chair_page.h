@@ -30,6 +30,8 @@ public:
   void look();
   /// Shows the settings, which others may have changed.
   void show_settings();
+  /// Writes values that have not settled yet.
+  void write_all();
   /// All motors of the feel test to zero.
   void stop_test();
 
@@ -41,34 +43,53 @@ private:
     std::string driver;
     std::string device; ///< empty: the driver's usual one
   };
+  struct Offer
+  {
+    Choice choice;
+    GtkWidget *button; ///< active: it is used
+  };
+  /// A number of the settings that is written once it has settled.
+  struct Value
+  {
+    const char *key;
+    const char *usual;
+    double factor; ///< shown: times that of the setting
+    GtkAdjustment *shown = nullptr;
+    guint settles = 0; ///< timeout
+  };
   struct Look;
 
   void show_devices(const std::vector<FoundDevice> &found, const std::vector<std::string> &servers,
                     const std::vector<std::string> &lines);
   void put(const Choice &choice);
   void choose(const Choice &choice);
+  void show_chosen();
   void show_motors();
   /// Of that motor, from 1, or all: 0.
   void test(int motor);
+  void start_test();
   void tested(const std::string &complaint);
   void name_intiface();
   GtkWidget *make_test();
   GtkWidget *make_strength();
+  void settle(Value &value);
+  void write(Value &value);
 
   const Shared &shared_;
   GtkWidget *page_ = column();
   GtkWidget *devices_ = column();
   GtkWidget *missing_ = column();
-  GtkWidget *first_ = nullptr; ///< of the devices' group
+  std::vector<Offer> offers_{};
   GtkWidget *test_ = nullptr;
   GtkWidget *felt_ = text_label("");
-  GtkWidget *intensity_ = nullptr;
   GtkWidget *delay_ = nullptr;
+  Value values_[2] = { { "intensity", "1", 100 }, { chair::kDelay, "0", 1 } };
   ChairPicture picture_;
+  std::string shown_{}; ///< settings of the picture
   std::shared_ptr<Command> tested_;
-  std::optional<int> next_{}; ///< motor to feel after the present one
+  std::optional<int> next_{}; ///< motor to feel when the device is free and chosen
   bool stops_ = false;        ///< the feel test was stopped by the user
-  guint settled_ = 0;         ///< timeout after which the scales are written
+  unsigned looks_ = 0;        ///< searches for devices; the last one is shown
   bool shows_ = false;        ///< the settings are being shown, not changed
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

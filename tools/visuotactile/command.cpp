@@ -6,12 +6,24 @@
 #include <csignal>
 #include <filesystem>
 #include <sys/prctl.h>
+#include <utility>
+
+namespace {
+
+/// A child of the program may keep its output open, such as a browser.
+constexpr guint kRest = 1000; ///< ms
+
+} // namespace
 
 struct Command::Run
 {
   Calls calls;
   GSubprocess *process = nullptr;
-  std::string complaint; ///< the last line of standard error
+  std::string complaint{}; ///< the last line of standard error
+  bool worked = false;
+  bool was_killed = false; ///< its last line is no complaint
+  int parts = 3;           ///< not ended: the process and its two streams
+  guint rest = 0;          ///< timeout after the process' end
 
   ~Run()
   {
@@ -20,10 +32,20 @@ struct Command::Run
 };
 
 void
-Command::end(const Run &run, bool worked)
+Command::end(Run &run)
 {
-  if (const auto ended = run.calls.ended)
-    ended(worked ? "" : run.complaint.empty() ? "?" : run.complaint);
+  if (const Calls calls = std::exchange(run.calls, {}); calls.ended)
+    calls.ended(run.worked ? "" : run.was_killed || run.complaint.empty() ? "?" : run.complaint);
+}
+
+void
+Command::part_ended(const std::shared_ptr<Run> &run)
+{
+  if (--run->parts > 0)
+    return;
+  if (const guint rest = std::exchange(run->rest, 0))
+    g_source_remove(rest);
+  end(*run);
 }
 
 namespace {
@@ -40,11 +62,12 @@ path_of(const std::string &program)
 struct Lines
 {
   std::function<void(const std::string &)> call;
+  std::function<void()> ended;
 
-  static void read(GInputStream *stream, std::function<void(const std::string &)> call)
+  static void read(GInputStream *stream, Lines calls)
   {
     GDataInputStream *lines = g_data_input_stream_new(stream);
-    next(lines, new Lines{ std::move(call) });
+    next(lines, new Lines(std::move(calls)));
     g_object_unref(lines); // the read has a reference
   }
 
@@ -59,6 +82,7 @@ struct Lines
     auto *lines = G_DATA_INPUT_STREAM(source);
     g_autofree gchar *line = g_data_input_stream_read_line_finish(lines, result, nullptr, nullptr);
     if (line == nullptr) {
+      self->ended();
       delete self;
       return;
     }
@@ -93,28 +117,45 @@ Command::start(std::vector<std::string> arguments, Calls calls)
     g_idle_add_full(
         G_PRIORITY_DEFAULT,
         +[](gpointer data) -> gboolean {
-          end(**static_cast<std::shared_ptr<Run> *>(data), false);
+          end(**static_cast<std::shared_ptr<Run> *>(data));
           return G_SOURCE_REMOVE;
         },
         new std::shared_ptr<Run>(run),
         +[](gpointer data) { delete static_cast<std::shared_ptr<Run> *>(data); });
     return command;
   }
-  Lines::read(g_subprocess_get_stdout_pipe(run->process), [run](const std::string &line) {
-    if (run->calls.line)
-      run->calls.line(line);
-  });
-  Lines::read(g_subprocess_get_stderr_pipe(run->process),
-              [run](const std::string &line) { run->complaint = line; });
+  const auto ended = [run] {
+    part_ended(run);
+  };
+  Lines::read(g_subprocess_get_stdout_pipe(run->process), { [run](const std::string &line) {
+                                                             if (const auto call = run->calls.line)
+                                                               call(line);
+                                                           },
+                                                            ended });
+  Lines::read(g_subprocess_get_stderr_pipe(run->process), { [run](const std::string &line) {
+                                                             run->complaint = line;
+                                                             if (const auto call = run->calls.told)
+                                                               call(line);
+                                                           },
+                                                            ended });
   g_subprocess_wait_async(
       run->process, nullptr,
       +[](GObject *process, GAsyncResult *result, gpointer data) {
         const std::unique_ptr<std::shared_ptr<Run>> own(static_cast<std::shared_ptr<Run> *>(data));
-        auto *ended = G_SUBPROCESS(process);
-        g_subprocess_wait_finish(ended, result, nullptr);
-        if (g_subprocess_get_if_signaled(ended)) // its last line is no complaint
-          (*own)->complaint.clear();
-        end(**own, g_subprocess_get_successful(ended));
+        g_subprocess_wait_finish(G_SUBPROCESS(process), result, nullptr);
+        (*own)->worked = g_subprocess_get_successful(G_SUBPROCESS(process));
+        (*own)->was_killed = g_subprocess_get_if_signaled(G_SUBPROCESS(process));
+        (*own)->rest = g_timeout_add_full(
+            G_PRIORITY_DEFAULT, kRest,
+            +[](gpointer run) -> gboolean {
+              const auto ended = *static_cast<std::shared_ptr<Run> *>(run);
+              ended->rest = 0;
+              end(*ended);
+              return G_SOURCE_REMOVE;
+            },
+            new std::shared_ptr<Run>(*own),
+            +[](gpointer run) { delete static_cast<std::shared_ptr<Run> *>(run); });
+        part_ended(*own);
       },
       new std::shared_ptr<Run>(run));
   return command;

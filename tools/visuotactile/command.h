@@ -14,6 +14,7 @@ public:
   struct Calls
   {
     std::function<void(const std::string &)> line; ///< of its standard output
+    std::function<void(const std::string &)> told; ///< of its standard error
     /// Its end: empty, or the last line of its standard error.
     std::function<void(const std::string &complaint)> ended;
     bool ends_with_window = false; ///< SIGTERM at the window's end, however that ends
@@ -30,7 +31,8 @@ public:
 
 private:
   struct Run;
-  static void end(const Run &run, bool worked);
+  static void end(Run &run);
+  static void part_ended(const std::shared_ptr<Run> &run);
 
   std::shared_ptr<Run> run_;
 };

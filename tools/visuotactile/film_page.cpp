@@ -89,6 +89,7 @@ FilmPage::choose()
 void
 FilmPage::stop()
 {
+  stops_ = true;
   if (player_)
     player_->stop();
 }
@@ -100,22 +101,34 @@ FilmPage::play(bool example)
     stop();
     return;
   }
-  shared_.complain("");
-  std::vector<std::string> arguments{ "visuotactile-play", "--quiet" };
+  stops_ = false;
+  simulated_ = false;
+  std::vector<std::string> arguments{ "visuotactile-play" };
   if (!example)
     arguments.push_back(uri_);
   playing_ = example ? _("an example") : gtk_label_get_text(GTK_LABEL(title_));
   set_text(play_, _("_Stop the film"));
   gtk_widget_set_sensitive(play_, TRUE);
-  player_ = Command::start(std::move(arguments),
-                           { .line = {}, .ended = [this](const std::string &complaint) {
-                              player_ = nullptr;
-                              playing_.clear();
-                              set_text(play_, _("_Play it on the chair"));
-                              gtk_widget_set_sensitive(play_, !uri_.empty());
-                              shared_.complain(complaint);
-                              shared_.show_state();
-                            } });
+  player_
+      = Command::start(std::move(arguments),
+                       { .line = {},
+                         .told =
+                             [this](const std::string &line) {
+                               if (!line.starts_with("the motors are simulated"))
+                                 return;
+                               simulated_ = true;
+                               shared_.show_state();
+                             },
+                         .ended =
+                             [this](const std::string &complaint) {
+                               player_ = nullptr;
+                               playing_.clear();
+                               set_text(play_, _("_Play it on the chair"));
+                               gtk_widget_set_sensitive(play_, !uri_.empty());
+                               if (!stops_ || complaint != "?") // it may have been stopped early
+                                 shared_.report(complaint);
+                               shared_.show_state();
+                             } });
   shared_.show_state();
 }
 
@@ -133,7 +146,7 @@ FilmPage::edit()
     desk_->stop();
   }
   desk_ = Command::start({ "tactile-track", "desk", path },
-                         { .line = {}, .ended = [this](const std::string &complaint) {
+                         { .line = {}, .told = {}, .ended = [this](const std::string &complaint) {
                             desk_ = nullptr;
                             shared_.complain(complaint);
                           } });

@@ -30,6 +30,11 @@ public:
   void stop();
   /// The film that visuotactile-play plays, or empty.
   std::string playing() const;
+  /// Whether its motors are simulated, as there is no board.
+  bool is_simulated() const
+  {
+    return simulated_;
+  }
 
 private:
   void play(bool example);
@@ -43,6 +48,8 @@ private:
   GtkWidget *edit_ = nullptr;
   std::string uri_{};
   std::string playing_{};
+  bool simulated_ = false;
   std::shared_ptr<Command> player_{};
+  bool stops_ = false; ///< by the user
   std::shared_ptr<Command> desk_{};
 };

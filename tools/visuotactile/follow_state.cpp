@@ -32,6 +32,7 @@ FollowState::FollowState(std::function<void()> changed) : changed_(std::move(cha
       +[](GDBusConnection *, const gchar *, gpointer data) {
         auto *self = static_cast<FollowState *>(data);
         self->runs_ = false;
+        self->values_.clear();
         if (self->timer_ != 0)
           g_source_remove(self->timer_);
         self->timer_ = 0;

@@ -56,9 +56,12 @@ run(int argc, char **argv)
           return G_SOURCE_CONTINUE;
         },
         application);
-  std::string film = films.empty() ? "" : films.front();
-  char *arguments[] = { argv[0], film.empty() ? nullptr : film.data(), nullptr };
-  const int status = g_application_run(G_APPLICATION(application), film.empty() ? 1 : 2, arguments);
+  // A name may begin with "-".
+  g_autoptr(GFile) film
+      = films.empty() ? nullptr : g_file_new_for_commandline_arg(films.front().c_str());
+  g_autofree gchar *uri = film ? g_file_get_uri(film) : nullptr;
+  char *arguments[] = { argv[0], uri, nullptr };
+  const int status = g_application_run(G_APPLICATION(application), uri ? 2 : 1, arguments);
   g_object_unref(application);
   return status;
 }

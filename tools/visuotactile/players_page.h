@@ -4,6 +4,11 @@
 #include "gtk.h"
 #include "shared.h"
 
+#include "house/switches.h"
+
+#include <map>
+#include <string>
+
 /// A switch for each player whose films can be felt.
 class PlayersPage
 {
@@ -21,6 +26,14 @@ public:
 private:
   const Shared &shared_;
   GtkWidget *page_ = column();
+  struct Line
+  {
+    GtkWidget *label;
+    GtkWidget *toggle;
+  };
+  void add_line(const Switch &player);
+
   GtkWidget *list_ = gtk_list_box_new();
-  bool shows_ = false; ///< states are being shown, not changed
+  std::map<std::string, Line> lines_{}; ///< by the switch's name
+  bool shows_ = false;                  ///< states are being shown, not changed
 };

@@ -58,7 +58,7 @@ private:
   void change(std::vector<std::string> arguments, Shared::Done done);
   Change next_change();
   void start_change();
-  void complain(const std::string &text);
+  static void show(GtkWidget *label, const std::string &text);
   void show_state();
   void show_settings();
 
@@ -72,6 +72,7 @@ private:
   PlayersPage players_;
   GtkWidget *stack_ = gtk_stack_new();
   GtkWidget *complaint_ = text_label("");
+  GtkWidget *report_ = text_label("");
   GtkWidget *state_ = text_label("");
   GtkWidget *off_ = gtk_toggle_button_new();
   bool shows_ = false;
@@ -84,7 +85,9 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
     : window_(GTK_WINDOW(gtk_application_window_new(application))), shared_{
         .change
         = [this](auto arguments, auto done) { change(std::move(arguments), std::move(done)); },
-        .complain = [this](const std::string &text) { complain(text); },
+        .when_changed = [this](auto call) { change({}, [call](bool) { call(); }); },
+        .complain = [this](const std::string &text) { show(complaint_, text); },
+        .report = [this](const std::string &text) { show(report_, text); },
         .show_state =
             [this] {
               show_state();
@@ -125,10 +128,12 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
   for (const auto set :
        { gtk_widget_set_margin_start, gtk_widget_set_margin_end, gtk_widget_set_margin_bottom })
     set(foot, 12);
-  gtk_widget_add_css_class(complaint_, "complaint");
-  gtk_label_set_selectable(GTK_LABEL(complaint_), TRUE);
-  gtk_widget_set_visible(complaint_, FALSE);
-  add(foot, complaint_);
+  for (GtkWidget *label : { complaint_, report_ }) {
+    gtk_widget_add_css_class(label, "complaint");
+    gtk_label_set_selectable(GTK_LABEL(label), TRUE);
+    gtk_widget_set_visible(label, FALSE);
+    add(foot, label);
+  }
   add(foot, state_);
   gtk_widget_add_css_class(off_, "off");
   gtk_widget_set_tooltip_text(off_, "visuotactile-settings set mute=true");
@@ -153,8 +158,10 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
 Window::~Window()
 {
   *alive_ = false;
+  chair_.write_all();
   while (wants_off_ || !changes_.empty())
-    Command::start(next_change().arguments, {});
+    if (const std::vector<std::string> arguments = next_change().arguments; !arguments.empty())
+      Command::start(arguments, {});
 }
 
 void
@@ -241,13 +248,20 @@ Window::start_change()
     return;
   changing_ = true;
   Change next = next_change();
+  if (next.arguments.empty()) {
+    changing_ = false;
+    next.done(true);
+    start_change();
+    return;
+  }
   Command::start(std::move(next.arguments),
                  { .line = {},
+                   .told = {},
                    .ended = [this, alive = alive_, done = next.done](const std::string &complaint) {
                      if (!*alive)
                        return;
                      changing_ = false;
-                     complain(complaint);
+                     show(complaint_, complaint);
                      if (done)
                        done(complaint.empty());
                      start_change();
@@ -255,10 +269,10 @@ Window::start_change()
 }
 
 void
-Window::complain(const std::string &text)
+Window::show(GtkWidget *label, const std::string &text)
 {
-  gtk_label_set_text(GTK_LABEL(complaint_), text.c_str());
-  gtk_widget_set_visible(complaint_, !text.empty());
+  gtk_label_set_text(GTK_LABEL(label), text.c_str());
+  gtk_widget_set_visible(label, !text.empty());
 }
 
 void
@@ -267,7 +281,8 @@ Window::show_state()
   const bool is_off = gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(off_));
   std::string state = is_off ? _("All vibration is off.") : follow_.text();
   if (!is_off && !film_.playing().empty())
-    state = in_text("The chair plays {}.", film_.playing());
+    state = in_text("The chair plays {}.", film_.playing())
+            + (film_.is_simulated() ? std::string(" ") + _("The motors are simulated.") : "");
   gtk_label_set_text(GTK_LABEL(state_), state.c_str());
   set_text(off_, is_off ? _("Switch vibration _on again") : _("Switch all vibration _off"));
 }
@@ -276,9 +291,8 @@ void
 Window::show_settings()
 {
   shows_ = true;
-  const chair::Settings settings = chair::read_settings();
   gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(off_),
-                               setting(settings, "mute", "false") == "true");
+                               setting(chair_values(), "mute", "false") == "true");
   shows_ = false;
   chair_.show_settings();
   players_.show();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/auto_driver.h"
 
+#include "tactor/drivers/last_device.h"
+
 #include <mutex>
 #include <set>
 #include <utility>
@@ -58,9 +60,11 @@ AutoDriver::open(const DriverConfig &config)
   // A device that cannot be used, or was not probed, may or may not be the one meant.
   const bool may_be_there
       = kind == DriverError::Kind::not_asked ? is_news(why) : kind != DriverError::Kind::not_found;
+  const std::optional<LastDevice> last = last_device();
   if (config.notify)
     config.notify({ may_be_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
-                    "the motors are simulated: " + why });
+                    "the motors are simulated: " + why
+                        + (last ? "; the last device was " + last->board : "") });
   return {};
 }
 

@@ -2,10 +2,10 @@
 #include "tactor/drivers/known_boards.h"
 
 #include "files/regular_file.h"
+#include "tactor/drivers/last_device.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -51,12 +51,7 @@ KnownBoards::KnownBoards(fs::path file) : file_(std::move(file))
 fs::path
 KnownBoards::default_file()
 {
-  const char *state = std::getenv("XDG_STATE_HOME");
-  const char *home = std::getenv("HOME");
-  fs::path folder = state ? state : "";
-  if (!folder.is_absolute()) // ignored, as the XDG specification says
-    folder = home ? fs::path(home) / ".local/state" : fs::path();
-  return folder.is_absolute() ? folder / "visuotactile/boards" : fs::path();
+  return state_file("boards");
 }
 
 bool

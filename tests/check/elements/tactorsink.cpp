@@ -245,8 +245,9 @@ CHECK_TEST(test_rates_and_segments)
   check_segment(-1.0, 0, 2 * GST_SECOND, 1200 * kMs, 760 * kMs);
 }
 
-/// A new latency applies to commands that are already waiting.
-CHECK_TEST(test_latency_change_moves_the_wait)
+/// After `later`, commands that already wait are due 500 ms later.
+static void
+check_moved_wait(const std::function<void(GstElement *)> &later)
 {
   SinkRig rig;
   rig.uncompensated();
@@ -258,13 +259,29 @@ CHECK_TEST(test_latency_change_moves_the_wait)
     rig.push(3000 * kMs, { 1.0f });
   });
   rig.run_to(250 * kMs);
-  fail_unless(gst_element_send_event(rig.element, gst_event_new_latency(kLatency + 500 * kMs)));
+  later(rig.element);
   rig.run_to(1000 * kMs);
   const std::vector<Line> lines = rig.trace();
   fail_unless(lines.size() >= 1);
   // Issued at clock time 860, which is 200 with the new latency: on time.
   assert_line(lines[0], 200 * kMs, 200 * kMs, 200 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
+}
+
+CHECK_TEST(test_latency_change_moves_the_wait)
+{
+  check_moved_wait([](GstElement *element) {
+    fail_unless(gst_element_send_event(element, gst_event_new_latency(kLatency + 500 * kMs)));
+  });
+}
+
+/// playsink sets ts-offset whenever it builds its sinks anew.
+CHECK_TEST(test_delay_moves_the_wait_and_is_not_ts_offset)
+{
+  check_moved_wait([](GstElement *element) {
+    g_object_set(element, "delay", 500.0, nullptr);
+    g_object_set(element, "ts-offset", gint64{ 0 }, nullptr);
+  });
 }
 
 CHECK_TEST(test_mapping_and_volts)

@@ -408,6 +408,12 @@ CHECK_TEST(test_render_delay_is_the_lead)
   guint64 delay = 0;
   g_object_get(sink, "render-delay", &delay, nullptr);
   ck_assert_uint_eq(delay, 90 * kMs);
+  // Vibration before its frame is possible only if the frame waits.
+  gst_element_set_state(sink, GST_STATE_NULL);
+  g_object_set(sink, "delay", -200.0, "render-delay", guint64{ 0 }, nullptr);
+  gst_element_set_state(sink, GST_STATE_PAUSED);
+  g_object_get(sink, "render-delay", &delay, nullptr);
+  ck_assert_uint_eq(delay, 290 * kMs);
   gboolean qos = TRUE;
   gboolean last_sample = TRUE;
   gint64 max_lateness = 0;

@@ -12,6 +12,7 @@
 #include "support/contains.h"
 #include "support/playing.h"
 #include "support/settings_home.h"
+#include "support/temporary_file.h"
 
 #include "support/check_tests.h"
 
@@ -109,6 +110,50 @@ CHECK_TEST(test_the_start_applies_them)
   fail_unless(intensity(pipeline) == 0.5);
   fail_unless(sensitivity == 2);
   fail_unless(sound_of(pipeline) == "music");
+  close_sink(pipeline);
+}
+
+/// Shakers, which visuotactile-play alone plays on, are no error in a player.
+CHECK_TEST(test_shakers_are_left_out)
+{
+  home.write("[chair]\ndriver=audio\ndevice=Card\nmapping=1,0\ngrid=1x2\nintensity=0.5\n");
+  GstElement *sink = gst_element_factory_make("visuotactilesink", nullptr);
+  const ElementBus bus(sink);
+  change_state(sink, GST_STATE_READY);
+  assert_contains(bus.said(GST_MESSAGE_WARNING).text, { "plays on no shakers" });
+  g_autofree gchar *driver = nullptr;
+  g_autofree gchar *device = nullptr;
+  g_autofree gchar *mapping = nullptr;
+  gdouble factor = 0;
+  g_object_get(sink, "driver", &driver, "device", &device, "mapping", &mapping, "intensity",
+               &factor, nullptr);
+  ck_assert_str_eq(driver, "auto");
+  fail_unless(device == nullptr || *device == '\0');
+  ck_assert_str_eq(mapping, "");
+  fail_unless(factor == 0.5);
+  change_state(sink, GST_STATE_NULL);
+  gst_object_unref(sink);
+}
+
+/// playsink sets the video sink's ts-offset when it connects picture and sound.
+CHECK_TEST(test_delay_stays_in_playbin)
+{
+  home.write("[chair]\ndriver=simulator\ndelay=100\n");
+  const TemporaryFile film("", ".mkv");
+  play_to_the_end(make_pipeline("videotestsrc num-buffers=5 ! jpegenc ! matroskamux name=mux ! "
+                                "filesink location="
+                                + film.path + " audiotestsrc num-buffers=10 ! mux."));
+  GstElement *pipeline = make_pipeline("playbin name=player");
+  GstElement *sink = gst_element_factory_make("visuotactilesink", "sink");
+  GstElement *shown = gst_element_factory_make("fakesink", nullptr);
+  g_object_set(sink, "video-sink", shown, nullptr);
+  g_object_set(pipeline, "uri", ("file://" + film.path).c_str(), "video-sink", sink, "audio-sink",
+               gst_element_factory_make("fakesink", nullptr), nullptr);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  wait_for_eos(pipeline);
+  gdouble delay = 0;
+  g_object_get(child(pipeline, "tactors"), "delay", &delay, nullptr);
+  fail_unless(delay == 100);
   close_sink(pipeline);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/known_boards.h"
+#include "tactor/drivers/last_device.h"
 
 #include "support/temporary_file.h"
 
@@ -117,6 +118,30 @@ CHECK_TEST(test_default_file)
   fail_unless(KnownBoards::default_file() == "/home/a/.local/state/visuotactile/boards");
   unsetenv("HOME");
   fail_unless(KnownBoards::default_file().empty());
+}
+
+/* ---- the last device ---- */
+
+CHECK_TEST(test_last_device)
+{
+  const TemporaryFile file;
+  fail_if(last_device(file.path));
+  const LastDevice pad{ .driver = "gamepad",
+                        .device = "",
+                        .board = "Bob's pad (/dev/input/event3)" };
+  remember_device(pad, file.path);
+  fail_unless(last_device(file.path) == pad);
+  // What is no line of a device is not stored, and a file of anything else is none.
+  remember_device({ .driver = "gamepad", .device = "a\nb", .board = "pad" }, file.path);
+  remember_device({ .driver = "GAME PAD", .device = "", .board = "pad" }, file.path);
+  remember_device({ .driver = "gamepad", .device = "", .board = "" }, file.path);
+  fail_unless(last_device(file.path) == pad);
+  for (const std::string &text :
+       { std::string("gamepad\n\npad\nmore\n"), std::string("gamepad\n\n"),
+         std::string("\n\npad\n"), std::string("gamepad\n\n\x1b[2J\n"), std::string(8192, 'a') }) {
+    std::ofstream(file.path) << text;
+    fail_if(last_device(file.path));
+  }
 }
 
 CHECK_MAIN(known_boards)
