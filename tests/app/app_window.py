@@ -79,29 +79,29 @@ class App:
         return None
 
     def all(self):
-        """All accessibles, in the order of the window."""
-        found = []
+        """All accessibles, in the order of the window, up to a part that goes away meanwhile."""
 
         def visit(node):
             node.clear_cache()
-            found.append(node)
+            yield node
             for index in range(node.get_child_count()):
                 child = node.get_child_at_index(index)
                 if child:
-                    visit(child)
+                    yield from visit(child)
 
         try:
-            visit(self.root)
-        except GLib.Error:  # a part that went away meanwhile
-            return []
-        return found
+            yield from visit(self.root)
+        except GLib.Error:
+            return
 
     def find_now(self, role, name, states=()):
         """GTK 4.8 and 4.18 have different buttons: `role` may be a part of it."""
         def is_it(node):
             try:
+                if name not in (node.get_name() or "") or role not in node.get_role_name():
+                    return False
                 state = node.get_state_set()
-                return role in node.get_role_name() and name in (node.get_name() or "") and state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
+                return state.contains(Atspi.StateType.VISIBLE) and all(state.contains(each) for each in states)
             except GLib.Error:
                 return False
 

@@ -165,9 +165,9 @@ def nothing():
 WAYS = {way.__name__: way for way in (gamepad, vest, intiface, shaker, nothing)}
 print(f"""# First feel
 
-Made by `tests/app/timeline.py`; do not edit.
+Made by `tests/app/timeline.py FOLDER {" ".join(sys.argv[2:] or WAYS)}`; do not edit.
 
-{os.cpu_count()} CPUs, load average {os.getloadavg()[0]:.1f} at the begin, Xvfb. The test uses the window by keys and AT-SPI, without a terminal. Times are seconds from the start of the window, and most of them
+{os.cpu_count()} CPUs, load average {os.getloadavg()[0]:.1f} at the start, Xvfb. The test uses the window by keys and AT-SPI, without a terminal. Times are seconds from the start of the window, and most of them
 are the test's own walks over AT-SPI. The first motor is that of the feel test. The installation of the package is not timed.
 
 Decisions in a terminal: the terminal, and each word. In the window: each choice.

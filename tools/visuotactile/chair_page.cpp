@@ -49,9 +49,11 @@ ChairPage::ChairPage(const Shared &shared)
 ChairPage::~ChairPage()
 {
   *alive_ = false;
-  for (const Value &value : values_)
+  for (const Value &value : values_) {
     if (value.settles != 0)
       g_source_remove(value.settles);
+    g_object_unref(value.shown);
+  }
   stop_test();
   if (tested_)
     tested_->forget();
@@ -93,11 +95,13 @@ ChairPage::make_strength()
   attach(_("De_lay (ms)"), delay_, 1);
   values_[0].shown = gtk_range_get_adjustment(GTK_RANGE(intensity));
   values_[1].shown = gtk_spin_button_get_adjustment(GTK_SPIN_BUTTON(delay_));
-  for (Value &value : values_)
+  for (Value &value : values_) {
+    g_object_ref(value.shown); // it is read when its widget is gone
     connect(value.shown, "value-changed", [this, &value] {
       if (!shows_)
         settle(value);
     });
+  }
   return grid;
 }
 
