@@ -35,9 +35,10 @@ struct Report
   std::optional<Time> asked{};
   std::optional<Time> position{}; ///< film time; none: this report has something else
   Doing doing = Doing::playing;
-  double rate = 1;     ///< film seconds a second
-  bool sought = false; ///< the player says that the position has leapt
-  std::string film{};  ///< path or URI; a report of another one is of a new film
+  double rate = 1;              ///< film seconds a second
+  bool sought = false;          ///< the player says that the position has leapt
+  std::string film{};           ///< path, URI or title; a report of another one is of a new film
+  std::optional<Time> length{}; ///< of the film, if the player reports it
 };
 
 } // namespace follow

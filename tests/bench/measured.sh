@@ -246,11 +246,25 @@ CAPTION
         VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/two_hours.py"
       cat <<'CAPTION'
 
+## An hour of editing
+
+Chromium at 1366 x 768 is driven by real keys and a pointer that misses its target by 1.5 pixels (standard deviation),
+with 15 s in view. After each edit the desk's track is compared with a model; an edit that is not as it was meant is
+undone and tried again. Every 60 edits the track is saved and validated, every 100 the page is loaded again; in the end
+the desk is started again under the open page, and all is undone. "Instead" is what wrong tries did.
+
+CAPTION
+      TRACK="$built/tools/tactile-track" VISUOTACTILE_DESK="$built/tools/tactile-track-desk" VISUOTACTILE_DESK_PAGE="$root/tools/tactile-track-desk/page" \
+        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/hour.py" 400
+      cat <<'CAPTION'
+
 ## Beside its peers
 
 The columns have what the desk's tests drive in Chromium; OpenFunscripter's [source](https://github.com/OpenFunscripter/OFS)
-(read, not run); Meta Haptics Studio and a usual video editor (Kdenlive, Premiere) as known from use, not run for this
-page. No user has compared them.
+(read, not run: timeline and frames in `OFS-lib/UI`, undo in `OFS_UndoSystem.cpp`); Meta Haptics Studio by its
+[walkthrough](https://developers.meta.com/horizon/documentation/unity/unity-haptics-studio-feature-walkthrough/); a usual
+video editor as known from use, its snapping by [Premiere's events](https://developer.adobe.com/premiere-pro/uxp/ppro-reference/events/snapevent).
+No user has compared them.
 
 | | the desk | OpenFunscripter | Haptics Studio | a video editor |
 |---|---|---|---|---|
@@ -258,18 +272,18 @@ page. No user has compared them.
 | motors | a row for each cell of a grid, its place beside it | a script for each axis | one or two clips | - |
 | selection | time × any rows | time of one script | time of a clip | clips of any rows |
 | tools | select, draw, paint, curve, cut: buttons and keys | modes; Shift and a click for a point | points and emphasis | select, cut and more |
-| levels | blocks, painted, curves with points | points with lines between them | curves with points, frequency too | curves with points (keyframes) |
+| levels | blocks, painted, curves with points, in rows of 72 pixels by a key | points with lines between them | curves with points, frequency too | curves with points (keyframes) |
 | curves in the file | steps of a frame: points are found again within 3 %, corners within a frame | points | points | points |
 | wheel | pans; with Ctrl, zooms around the pointer | zooms around the playhead | zooms | pans; with Ctrl or Alt, zooms |
-| snaps to | playhead, shot cuts, loop | frames | none known | playhead, edges, markers |
+| snaps to | playhead, shot cuts, impacts of the sound, loop; not to other events' edges | frames | none known | playhead, edges, markers |
 | whole film | a map with levels, warnings and the view | a heat map | the whole clip | a zoom bar |
 | paint in real time | cells by mouse, keys or gamepad | keys or gamepad | none | none |
 | feel while editing | chair, gamepad | devices by extensions | headset | - |
 | limits of motors | warnings, list, next one by a key | none | none | - |
 | draft from picture and sound | yes, with review cue by cue | by extensions | from sound | - |
-| undo | without limit, after a reload too (1 MiB) | without limit | yes | yes, ends with the program |
+| undo | without limit; after a reload or a restart, too (1 MiB) | without limit | yes | yes, ends with the program |
 | after a crash | every edit is on the disk | backups at intervals | project file | backups at intervals |
-| keyboard alone, screen reader | all but points of curves; names and a table of cues | keys; no screen reader | not tested | in part |
+| keyboard alone, screen reader | all, points of curves too; names and a table of cues | keys; no screen reader | not tested | in part |
 
 `/usr/bin/python3 tests/desk/pictures.py FILM docs/images/desk` makes the guide's pictures, in the environment of the
 desk's tests.

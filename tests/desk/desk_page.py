@@ -65,10 +65,10 @@ class Page:
         return self.js("return ['save-state', 'live', 'alerts', 'news', 'reader'].map((id) => document.getElementById(id)).filter((e) => !e.hidden).map((e) => e.textContent)")
 
     def errors(self):
-        return [item.find_element(By.TAG_NAME, "span").text for item in self.all("#alerts li")]
+        return self.js("return [...document.querySelectorAll('#alerts li span')].map((span) => span.textContent)")
 
     def news(self):
-        return [item.find_element(By.TAG_NAME, "span").text for item in self.all("#news li")]
+        return self.js("return [...document.querySelectorAll('#news li span')].map((span) => span.textContent)")
 
     def keys(self, *keys):
         """Keys where the focus is, one after the other; a tuple is a chord."""

@@ -9,7 +9,7 @@ import pathlib
 import signal
 
 from chromium import chromium
-from desk_page import Keys, Listener, Page, cue, desk_with, run, validate
+from desk_page import Desk, Keys, Listener, Page, cue, desk_with, run, validate
 
 PULSE = cue(1000, 1400, {4: 75})
 END = [(19800, 20000, {}, [])]
@@ -197,7 +197,46 @@ def another_program_has_changed_the_file(driver):
         validate(folder / "film.vtt")
 
 
-TESTS = [undo_survives_a_reload, another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
+def an_open_page_goes_on_after_a_restart(driver):
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        page = Page(driver, desk)
+        page.stamp(0, 5000)
+        page.save()
+        page.stamp(1, 6000)
+        page.settled()
+        desk.end()
+        page.wait("the end", lambda: any("cannot be reached" in text for text in page.errors()))
+        with Desk(folder / "film.webm", "--no-browser") as again:
+            assert again.address == desk.address
+            page.wait("the desk", lambda: page.errors() == [])
+            page.may_write()
+            page.keys("j", (Keys.CONTROL, "z"), (Keys.CONTROL, "z"))
+            assert [each[0] for each in page.track()] == [1000, 19800]
+            page.keys((Keys.CONTROL, Keys.SHIFT, "z"))
+            page.save()
+            validate(folder / "film.vtt")
+            assert "00:00:05.000" in (folder / "film.vtt").read_text()
+
+
+def an_address_is_kept_for_the_user_alone(driver):
+    kept = pathlib.Path(os.environ["XDG_STATE_HOME"]) / "visuotactile/desk"
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        first = desk.address
+        file, = [path for path in kept.iterdir() if path.read_text().strip() in first]
+        assert (file.stat().st_mode & 0o777, kept.stat().st_mode & 0o777) == (0o600, 0o700)
+        desk.end()
+        whole = file.read_text()
+        for what in ("others could read it", "cut off", "another text"):
+            if what == "others could read it":
+                file.chmod(0o640)
+            else:
+                file.write_text(whole[:20] if what == "cut off" else "../" + whole[3:])
+            with Desk(folder / "film.webm", "--no-browser") as again:
+                assert again.port == desk.port and again.address != first, what
+                assert file.read_text().strip() in again.address and file.stat().st_mode & 0o777 == 0o600, what
+
+
+TESTS = [an_open_page_goes_on_after_a_restart, an_address_is_kept_for_the_user_alone, undo_survives_a_reload, another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
          an_edit_that_does_not_fit_is_offered, the_seat_becomes_free_while_the_page_hears_a_refusal, a_browser_is_killed_in_the_middle]
 
 if __name__ == "__main__":

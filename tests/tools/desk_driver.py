@@ -9,10 +9,13 @@ import pathlib
 import signal
 import socket
 import subprocess
+import tempfile
 import threading
 import time
 import urllib.parse
 
+_state = tempfile.TemporaryDirectory(prefix="desk-state-", ignore_cleanup_errors=True)
+os.environ["XDG_STATE_HOME"] = _state.name  # for addresses; gone at the end
 LATEST = 60  # s: until something that has to happen has failed to
 
 

@@ -91,12 +91,16 @@ Routes::sound(SoupServerMessage *message, std::string_view)
 void
 Routes::cuts(SoupServerMessage *message, std::string_view)
 {
-  const Strip::Cuts cuts = strip_.cuts();
-  std::string times;
-  for (const gint64 time : cuts.times)
-    times += (times.empty() ? "" : ", ") + std::to_string(time);
-  answer_json(message,
-              "{\"cuts\": [" + times + "], \"until\": " + std::to_string(cuts.until) + "}");
+  const auto list = [](const std::vector<gint64> &times) {
+    std::string text;
+    for (const gint64 time : times)
+      text += (text.empty() ? "" : ", ") + std::to_string(time);
+    return "[" + text + "]";
+  };
+  const Strip::Events events = strip_.events();
+  answer_json(message, "{\"cuts\": " + list(events.cuts)
+                           + ", \"until\": " + std::to_string(events.until)
+                           + ", \"impacts\": " + list(events.impacts) + "}");
 }
 
 void

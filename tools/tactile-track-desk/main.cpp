@@ -4,6 +4,7 @@
 #include "options.h"
 #include "routes.h"
 #include "web/browser.h"
+#include "web/kept_tokens.h"
 #include "web/server.h"
 
 #include "../visuotactile-follow/session_watch.h"
@@ -80,6 +81,20 @@ copy_stored(const DeskOptions &options, const Film &film, const std::string &tra
   return true;
 }
 
+/// The token of a track's address, which stays valid when the desk is started again.
+std::string
+token_of(const std::string &track)
+{
+  g_autofree gchar *name = g_compute_checksum_for_string(G_CHECKSUM_SHA256, track.c_str(), -1);
+  const fs::path folder = fs::path(g_get_user_state_dir()) / "visuotactile" / "desk";
+  g_mkdir_with_parents(folder.c_str(), 0700);
+  const auto tokens = kept_tokens((folder / name).string(), 1);
+  if (tokens)
+    return tokens->front();
+  print_error(kProgram, "the page's address is another one at the next start: " + tokens.error());
+  return "";
+}
+
 struct Unref
 {
   void operator()(gpointer object) const
@@ -133,7 +148,8 @@ run(const DeskOptions &options)
                 *session, *contents);
   const Server server({ .port = static_cast<guint16>(options.port),
                         .usual = usual_port(session->path()),
-                        .program = kProgram },
+                        .program = kProgram,
+                        .token = token_of(session->path()) },
                       routes);
   const std::unique_ptr<GDBusConnection, Unref> bus(
       g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system bus is enough

@@ -8,6 +8,8 @@
 #include "film/sound.h"
 #include "frame/front_end.h"
 #include "saliency/shot_cut.h"
+#include "sound/sound_analyzer.h"
+#include "sound/speakers.h"
 
 #include <gst/app/gstappsink.h>
 #include <gst/video/video.h>
@@ -15,12 +17,14 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <numeric>
 #include <span>
 
 namespace {
 
-constexpr const char *kMadeWith = "strip=2 version=" PACKAGE_VERSION;
-constexpr const char *kKept = "(xaayayaxx)"; ///< interval, pictures, peaks, cuts, their end
+constexpr const char *kMadeWith = "strip=3 version=" PACKAGE_VERSION;
+constexpr const char *kKept
+    = "(xaayayaxxax)"; ///< interval, pictures, peaks, cuts, their end, impacts
 constexpr std::size_t kMostKept = std::size_t{ 64 } << 20;
 constexpr int kWidth = 160;                  ///< of a picture, pixels
 constexpr gint64 kLongest = 100 * 3'600'000; ///< ms
@@ -69,6 +73,49 @@ private:
   saliency::ShotCut is_cut_;
 };
 
+/// Impacts as the analysis of sound finds them, in the mean of all channels.
+class Strip::Ear
+{
+public:
+  /// Takes interleaved samples from a film time in ms on. Adds the times of impacts.
+  void hear(std::span<const gint16> samples, int channels, int rate, gint64 time,
+            std::vector<gint64> &impacts)
+  {
+    using Analyzer = sound::SoundAnalyzer;
+    if (rate < Analyzer::kLowestRate || rate > Analyzer::kHighestRate)
+      return;
+    constexpr gint64 kLeap = 50; // ms
+    const gint64 expected = begin_ + static_cast<gint64>(frames_) * 1000 / rate;
+    if (rate != rate_ || std::abs(time - expected) > kLeap) {
+      constexpr bool kLooksAhead = true;
+      analyzer_.emplace(rate, std::span(&sound::kCenter, 1), kLooksAhead);
+      begin_ = time;
+      frames_ = 0;
+      rate_ = rate;
+    }
+    mean_.clear();
+    const auto wide = static_cast<std::size_t>(channels);
+    for (std::size_t at = 0; at + wide <= samples.size(); at += wide) {
+      const auto frame = samples.subspan(at, wide);
+      constexpr float kFullScale = 32768;
+      mean_.push_back(std::accumulate(frame.begin(), frame.end(), 0.F)
+                      / (static_cast<float>(channels) * kFullScale));
+    }
+    frames_ += mean_.size();
+    for (const sound::Moment &moment : analyzer_->add(mean_, {}))
+      if (moment.onset)
+        impacts.push_back(begin_
+                          + (moment.begin + sound::kHopTime / 2) / std::chrono::milliseconds(1));
+  }
+
+private:
+  std::optional<sound::SoundAnalyzer> analyzer_;
+  int rate_ = 0;
+  gint64 begin_ = 0; ///< ms, of the first of `frames_`
+  std::size_t frames_ = 0;
+  std::vector<float> mean_;
+};
+
 Strip::Strip(const Film &film, const std::string &path)
     : path_(path), cache_(FilmCache::usual_folder("strips"), ".strip"),
       version_(library::file_version(path)), width_(kWidth),
@@ -78,7 +125,7 @@ Strip::Strip(const Film &film, const std::string &path)
       duration_(GST_CLOCK_TIME_IS_VALID(film.duration)
                     ? std::min(static_cast<gint64>(GST_TIME_AS_MSECONDS(film.duration)), kLongest)
                     : 0),
-      start_(film.start.stream), eye_(std::make_unique<Eye>())
+      start_(film.start.stream), eye_(std::make_unique<Eye>()), ear_(std::make_unique<Ear>())
 {
   constexpr gint64 kUnknown = 5000; // ms; 1000 pictures of a film of 80 minutes
   constexpr gint64 kLeast = 1000;
@@ -189,12 +236,19 @@ Strip::load()
   g_autoptr(GVariant) pictures = nullptr;
   g_autoptr(GVariant) peaks = nullptr;
   g_autoptr(GVariant) cuts = nullptr;
-  g_variant_get(kept, "(x@aay@ay@axx)", &interval, &pictures, &peaks, &cuts, &until);
+  g_autoptr(GVariant) impacts = nullptr;
+  g_variant_get(kept, "(x@aay@ay@axx@ax)", &interval, &pictures, &peaks, &cuts, &until, &impacts);
   const auto bytes_of = [](GVariant *array) {
     gsize size = 0;
     const auto *first
         = static_cast<const char *>(g_variant_get_fixed_array(array, &size, sizeof(char)));
     return size > 0 ? std::string(first, size) : std::string();
+  };
+  const auto times_of = [](GVariant *array) {
+    gsize size = 0;
+    const auto *first
+        = static_cast<const gint64 *>(g_variant_get_fixed_array(array, &size, sizeof(gint64)));
+    return std::vector(first, first + size);
   };
   const gsize count = g_variant_n_children(pictures);
   if (interval != interval_ || count == 0 || count > kMostPictures)
@@ -204,10 +258,7 @@ Strip::load()
     pictures_.push_back(bytes_of(picture));
   }
   peaks_ = bytes_of(peaks);
-  gsize size = 0;
-  const auto *times
-      = static_cast<const gint64 *>(g_variant_get_fixed_array(cuts, &size, sizeof(gint64)));
-  cuts_ = { .times = { times, times + size }, .until = until };
+  events_ = { .cuts = times_of(cuts), .until = until, .impacts = times_of(impacts) };
   return true;
 }
 
@@ -217,15 +268,17 @@ Strip::keep() const
   const auto variant_of = [](const std::string &bytes) {
     return g_variant_new_fixed_array(G_VARIANT_TYPE_BYTE, bytes.data(), bytes.size(), 1);
   };
+  const auto times_of = [](const std::vector<gint64> &times) {
+    return g_variant_new_fixed_array(G_VARIANT_TYPE_INT64, times.data(), times.size(),
+                                     sizeof(gint64));
+  };
   GVariantBuilder pictures;
   g_variant_builder_init(&pictures, G_VARIANT_TYPE("aay"));
   for (const std::string &picture : pictures_)
     g_variant_builder_add_value(&pictures, variant_of(picture));
   g_autoptr(GVariant) all = g_variant_ref_sink(g_variant_new(
-      "(x@aay@ay@axx)", interval_, g_variant_builder_end(&pictures), variant_of(peaks_),
-      g_variant_new_fixed_array(G_VARIANT_TYPE_INT64, cuts_.times.data(), cuts_.times.size(),
-                                sizeof(gint64)),
-      cuts_.until));
+      "(x@aay@ay@axx@ax)", interval_, g_variant_builder_end(&pictures), variant_of(peaks_),
+      times_of(events_.cuts), events_.until, times_of(events_.impacts)));
   try {
     cache_.keep({ static_cast<const char *>(g_variant_get_data(all)), g_variant_get_size(all) },
                 path_, version_, kMadeWith);
@@ -254,8 +307,8 @@ Strip::on_frame(GstSample *sample)
          && time >= static_cast<gint64>(pictures_.size()) * interval_)
     pictures_.push_back(picture);
   if (is_cut)
-    cuts_.times.push_back(time);
-  cuts_.until = time;
+    events_.cuts.push_back(time);
+  events_.until = time;
   if (duration_ > 0)
     progress_ = std::min(static_cast<double>(time) / static_cast<double>(duration_), 0.999);
 }
@@ -274,7 +327,10 @@ Strip::on_sound(GstSample *sample)
       || !gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ))
     return;
   const std::span samples(reinterpret_cast<const gint16 *>(map.data), map.size / sizeof(gint16));
+  std::vector<gint64> impacts;
+  ear_->hear(samples, channels, rate, time, impacts);
   const std::lock_guard lock(mutex_);
+  events_.impacts.insert(events_.impacts.end(), impacts.begin(), impacts.end());
   for (std::size_t i = 0; i < samples.size(); i++) {
     const auto index = static_cast<std::size_t>(
         (time + static_cast<gint64>(i) / channels * 1000 / rate) / kPeak);
@@ -333,9 +389,9 @@ Strip::peaks(std::size_t from) const
   return from < peaks_.size() ? peaks_.substr(from) : std::string();
 }
 
-Strip::Cuts
-Strip::cuts() const
+Strip::Events
+Strip::events() const
 {
   const std::lock_guard lock(mutex_);
-  return cuts_;
+  return events_;
 }

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-/// Pictures of a film for its time line: small frames, peaks of its sound, shot cuts. They grow
-/// while the film is read, and are kept for the next time. Any thread.
+/// Pictures of a film for its time line: small frames, peaks and impacts of its sound, shot cuts.
+/// They grow while the film is read, and are kept for the next time. Any thread.
 class Strip
 {
 public:
@@ -64,15 +64,17 @@ public:
   std::size_t total() const; ///< pictures in the end, if the film's length is known
   std::string picture(std::size_t index) const; ///< JPEG; empty: none yet
   std::string peaks(std::size_t from) const;    ///< a byte each
-  struct Cuts
+  struct Events
   {
-    std::vector<gint64> times; ///< ms
-    gint64 until = 0;          ///< ms
+    std::vector<gint64> cuts;    ///< between shots, ms
+    gint64 until = 0;            ///< cuts are known up to here, ms
+    std::vector<gint64> impacts; ///< that are heard, ms
   };
-  Cuts cuts() const;
+  Events events() const;
 
 private:
   class Eye; ///< sees cuts
+  class Ear; ///< hears impacts
 
   bool load();
   void keep() const;
@@ -88,11 +90,12 @@ private:
   gint64 duration_;          ///< ms; 0: unknown
   visuotactile::Time start_; ///< stream time of the film's 0:00
   std::unique_ptr<Eye> eye_;
+  std::unique_ptr<Ear> ear_;
   mutable std::mutex mutex_;
   std::vector<std::string> pictures_;
   std::map<std::size_t, std::string> glances_; ///< by index
   bool has_glanced_ = false;
   std::string peaks_;
-  Cuts cuts_;
+  Events events_;
   double progress_ = 0;
 };

@@ -24,6 +24,14 @@ cpu_time()
 
 constexpr Time kLookEvery = std::chrono::seconds(1); ///< at a faulty track's file
 
+/// The same again and again where there is none.
+fs::file_time_type
+changed_at(const std::string &folder)
+{
+  std::error_code error;
+  return fs::last_write_time(folder, error);
+}
+
 std::string
 uri_of(const std::string &path)
 {
@@ -48,6 +56,8 @@ FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Tr
   what_.clear();
   fault_.clear();
   complaint_.clear();
+  told_.clear();
+  library_changed_ = changed_at(settings_.library);
   told_too_slow_ = false;
   film_ = film;
   path_ = film.empty() ? "" : library::local_path(film);
@@ -67,6 +77,29 @@ FilmTrack::open(const std::string &film, const std::shared_ptr<const tactile::Tr
   if (beside)
     play(*beside);
   else if (!probe_)
+    look_in_library();
+}
+
+void
+FilmTrack::take_length(Time length)
+{
+  if (film_.empty() || probe_ || file_.has_picture || file_.duration == length)
+    return;
+  file_.duration = length;
+  if (what_.empty() && fault_.empty() && !is_looking())
+    look_in_library();
+}
+
+/// A track that is put into the library while its film plays is found.
+void
+FilmTrack::look_again(Time now)
+{
+  if (film_.empty() || !what_.empty() || !fault_.empty() || is_looking()
+      || now - looked_at_ < kLookEvery)
+    return;
+  looked_at_ = now;
+  const auto changed = changed_at(settings_.library);
+  if (std::exchange(library_changed_, changed) != changed)
     look_in_library();
 }
 
@@ -94,6 +127,7 @@ FilmTrack::step(Time position, Time now)
       return;
     }
   }
+  look_again(now);
   if (probe_ && probe_->result()) {
     file_ = *std::exchange(probe_, nullptr)->result();
     events_.probed();
@@ -266,8 +300,10 @@ FilmTrack::fail(std::string why) // by value: it may be the reader's
       = complaint_.empty() ? library_.expected(film_) : "a track, got " + complaint_;
   if (!why.empty())
     expected += "; no draft can be made: " + why;
-  events_.told("no track for '" + library::film_name(film_) + "': expected " + expected
-               + "; make one with tactile-track author");
+  const std::string text = "no track for '" + library::film_name(film_) + "': expected " + expected
+                           + "; make one with tactile-track author";
+  if (std::exchange(told_, text) != text)
+    events_.told(text);
 }
 
 void

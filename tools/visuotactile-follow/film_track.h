@@ -8,6 +8,7 @@
 #include "film/draft_cache.h"
 #include "follow/ahead_reader.h"
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -42,6 +43,10 @@ public:
   /// Drops the track, and searches for that of `film`, the name that a player reports; empty: none.
   /// `known`: the track, if the player has it.
   void open(const std::string &film, const std::shared_ptr<const tactile::Track> &known = nullptr);
+
+  /// The film's length, as the player reports it, by which a film without a file is found in the
+  /// library.
+  void take_length(follow::Time length);
 
   /// Skips the film's faulty track until its file changes, and continues the search. Throws
   /// std::runtime_error if there is none.
@@ -80,6 +85,7 @@ public:
   std::optional<follow::Time> known_until(follow::Time position) const;
 
 private:
+  void look_again(follow::Time now);
   void probe();
   void play(const library::FoundTrack &found);
   void stop_at(const library::FoundTrack &faulty);
@@ -106,7 +112,9 @@ private:
   std::string faulty_;                                                  ///< the file
   std::map<std::string, std::optional<library::FileVersion>> versions_; ///< of faulty tracks
   library::Library::Skipped passed_over_;
-  follow::Time looked_at_{ 0 }; ///< time of the last look at the faulty file
+  follow::Time looked_at_{ 0 }; ///< time of the last look at the faulty file, or the library
+  std::filesystem::file_time_type library_changed_{}; ///< at that time, if it is a folder
+  std::string told_;                                  ///< why there is no track
   std::unique_ptr<FilmProbe> probe_;
   std::unique_ptr<LibrarySearch> search_;
   AnalysisSettings analysis_; ///< of this film

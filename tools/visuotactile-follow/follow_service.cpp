@@ -28,6 +28,7 @@ constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1"
   <property name="Film" type="s" access="read"/>
   <property name="Track" type="s" access="read"/>
   <property name="Fault" type="s" access="read"/>
+  <property name="Library" type="s" access="read"/>
   <property name="Position" type="d" access="read"/>
   <property name="Ahead" type="d" access="read"/>
   <property name="SyncTo" type="s" access="read"/>
@@ -64,6 +65,8 @@ property_of(const FollowStatus &status, std::string_view name)
     return text(status.track);
   if (name == "Fault")
     return text(status.fault);
+  if (name == "Library")
+    return text(status.library);
   if (name == "SyncTo")
     return text(status.sync_to);
   return g_variant_new_double(name == "Position"  ? status.position
@@ -175,6 +178,7 @@ ask_status()
            .state = words("State"),
            .film = words("Film"),
            .track = words("Track"),
+           .library = words("Library"),
            .fault = words("Fault"),
            .position = number("Position"),
            .ahead = number("Ahead"),

@@ -13,6 +13,7 @@ struct FollowStatus
   std::string state = "idle"; ///< idle, stopped, paused, waits, plays, lost or rests
   std::string film{};
   std::string track{};    ///< its source; empty: none
+  std::string library{};  ///< folder or address of tracks; empty: none
   std::string fault{};    ///< of a track that is therefore not felt; empty: none
   double position = -1;   ///< s; < 0: unknown
   double ahead = -1;      ///< s of the track known from the position on; < 0: all

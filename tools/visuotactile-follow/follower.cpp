@@ -394,8 +394,11 @@ Follower::change_film()
 {
   const std::string film
       = current_ != nullptr && current_->last.doing != Doing::stopped ? current_->last.film : "";
-  if (film == film_)
+  if (film == film_) {
+    if (current_ != nullptr && current_->last.length)
+      film_track_.take_length(*current_->last.length);
     return;
+  }
   film_ = film;
   position_ = follow::Time(0);
   if (current_ != nullptr)
@@ -405,6 +408,8 @@ Follower::change_film()
   cues_.set_track(nullptr);
   chair_.take(cues_.step({}, local_time(), chair_.ahead()));
   film_track_.open(film, current_ != nullptr ? current_->player->track() : nullptr);
+  if (current_ != nullptr && current_->last.length)
+    film_track_.take_length(*current_->last.length);
 }
 
 void

@@ -98,7 +98,7 @@ Follower::status() const
   const auto seconds = [](follow::Time time) {
     return std::chrono::duration<double>(time).count();
   };
-  FollowStatus status{ .state = rests_ ? "rests" : "idle" };
+  FollowStatus status{ .state = rests_ ? "rests" : "idle", .library = settings_.track.library };
   if (current_ == nullptr || current_->is_gone)
     return status;
   const follow::Time now = local_time();

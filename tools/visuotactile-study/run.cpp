@@ -4,12 +4,12 @@
 
 #include "../visuotactile-follow/session_watch.h"
 
-#include "files/whole_file.h"
 #include "film/command_line.h"
 #include "film/device_list.h"
 #include "film/known_driver.h"
 #include "film/or_throw.h"
 #include "web/browser.h"
+#include "web/kept_tokens.h"
 #include "web/server.h"
 
 #include <algorithm>
@@ -19,27 +19,12 @@
 #include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace {
 
 constexpr const char *kProgram = "visuotactile-study run";
 constexpr int kHighestPort = 65535;
-
-/// The secrets of the two pages' addresses. They stay: a page that is open when the program ends
-/// finds the next one at the same address, and gives it the answer that it has kept.
-std::pair<std::string, std::string>
-page_secrets(const std::string &file)
-{
-  constexpr std::size_t kDigits = 32;
-  constexpr std::size_t kBytes = 2 * kDigits + 1;
-  const auto kept = files::read_whole(file, kBytes);
-  if (kept && kept->size() == kBytes && (*kept)[kDigits] == '\n'
-      && kept->find_first_not_of("0123456789abcdef\n") == std::string::npos)
-    return { kept->substr(0, kDigits), kept->substr(kDigits + 1) };
-  std::pair<std::string, std::string> fresh{ random_token(), random_token() };
-  write_private(file, fresh.first + "\n" + fresh.second);
-  return fresh;
-}
 
 /// Throws std::runtime_error if a session could not be played.
 void
@@ -168,8 +153,10 @@ run_study(int argc, char **argv)
   if (window)
     screen = chosen_screen(screen_name, common.quiet);
 
-  const auto [secret, experimenter_secret] = page_secrets(folder->data(".pages"));
-  const std::string experimenter_path = experimenter_secret + "/";
+  // They stay: a page that is open when the program ends finds the next one at the same address,
+  // and gives it the answer that it has kept.
+  const std::vector<std::string> secrets = or_throw(kept_tokens(folder->data(".pages"), 2));
+  const std::string experimenter_path = secrets[1] + "/";
   StudySite site(*folder, { .page = page,
                             .experimenter = experimenter_path,
                             .window = window,
@@ -180,7 +167,7 @@ run_study(int argc, char **argv)
                         .usual = usual_port(std::filesystem::absolute(folder->path(), error)),
                         .program = kProgram,
                         .inline_styles = true,
-                        .token = secret },
+                        .token = secrets[0] },
                       site);
   g_autoptr(GDBusConnection) bus
       = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr); // none: the system bus is enough

@@ -43,12 +43,17 @@ MprisState::take_metadata(GVariant *metadata)
   film_ = text(metadata, "xesam:url");
   if (film_.empty())
     film_ = text(metadata, "xesam:title");
+  constexpr gint64 kLongest = 100 * 3600 * gint64{ G_USEC_PER_SEC };
+  gint64 length = 0; // µs
+  const bool is_told = g_variant_lookup(metadata, "mpris:length", "x", &length) && length > 0;
+  length_ = is_told && length <= kLongest ? std::optional<Time>(std::chrono::microseconds(length))
+                                          : std::nullopt;
 }
 
 Report
 MprisState::report(Time now) const
 {
-  return { .received = now, .doing = doing_, .rate = rate_, .film = film_ };
+  return { .received = now, .doing = doing_, .rate = rate_, .film = film_, .length = length_ };
 }
 
 } // namespace follow

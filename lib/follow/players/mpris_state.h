@@ -5,6 +5,7 @@
 
 #include <glib.h>
 
+#include <optional>
 #include <string>
 
 namespace follow {
@@ -30,6 +31,7 @@ private:
   Doing doing_ = Doing::stopped;
   double rate_ = 1;
   std::string film_; ///< its URL, else its title
+  std::optional<Time> length_;
 };
 
 } // namespace follow

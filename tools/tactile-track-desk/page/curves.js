@@ -12,7 +12,7 @@ import { extent } from './track.js';
 const TOLERANCE = 3;
 
 /** The level of points at a time, between the first and the last. */
-function levelAt(points, ms) {
+export function levelAt(points, ms) {
   const after = Math.max(points.findIndex((point) => point.ms >= ms), 1);
   const [a, b] = [points[after - 1], points[after]];
   return b.ms > a.ms ? a.level + (b.level - a.level) * (ms - a.ms) / (b.ms - a.ms) : b.level;

@@ -3,6 +3,9 @@
 /** @typedef {{name: string, label: string, unit?: string, value: number|string, min?: number,
  *   max?: number, step?: number, choices?: [string, string][]}} Option */
 
+/** What was asked for is not possible yet: the text says what to do first. It is no error. */
+export class Hint extends Error {}
+
 let made = 0;
 
 export function element(name, properties = {}, ...children) {
@@ -56,6 +59,7 @@ export function choiceForm(form, label, kinds, apply) {
       await apply(kind(), values);
       form.dispatchEvent(new Event('applied', { bubbles: true }));
     } catch (thrown) {
+      error.className = thrown instanceof Hint ? 'hint' : 'error';
       error.textContent = thrown.message;
     }
   });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 import { element } from './forms.js';
+import { POINT_KEYS } from './point_keys.js';
 import { KEYS as TIMELINE_KEYS } from './timeline.js';
 
 /** Keys that work everywhere but in fields, for the help. */
@@ -84,5 +85,6 @@ function table(caption, keys) {
 
 /** All keys, as tables. */
 export function keyTables() {
-  return [table('Everywhere', KEYS), table('In the timeline', TIMELINE_KEYS), table('On a gamepad', PAD_KEYS)];
+  return [table('Everywhere', KEYS), table('In the timeline', TIMELINE_KEYS),
+    table('In the timeline, with the tool Curve', POINT_KEYS), table('On a gamepad', PAD_KEYS)];
 }

@@ -3,7 +3,7 @@ import * as desk from './desk.js';
 import { CueTable } from './cue_table.js';
 import { Feel } from './feel.js';
 import { Film } from './film.js';
-import { choiceForm, element } from './forms.js';
+import { Hint, choiceForm } from './forms.js';
 import { Grid } from './grid.js';
 import { History } from './history.js';
 import { commandOf, keyTables, rememberSingleKeys } from './keys.js';
@@ -11,7 +11,7 @@ import { Layout } from './layout.js';
 import { Limits } from './limits.js';
 import { drawMap } from './map_view.js';
 import { Minimap } from './minimap.js';
-import { fail, failed, say, tell } from './notices.js';
+import { fail, failed, offerKept, offerSaveOver, say, tell } from './notices.js';
 import { OPERATIONS, request } from './operations.js';
 import { Panel, showWarnings } from './panel.js';
 import { Review } from './review.js';
@@ -40,7 +40,7 @@ class Page {
     const [rows, columns] = session.track.grid;
     this.session = session;
     this.say = say;
-    this.fail = fail;
+    this.failed = failed;
     this.newTrack = (cues) => new Track(rows, columns, cues);
     this.history = new History(this.newTrack(data.cues));
     this.sync = new Sync(this.history, { page: desk.page, send: desk.send, revision: data.revision,
@@ -157,20 +157,19 @@ class Page {
     await this.load();
     const { sent } = await this.sync.recover();
     if (sent) {
-      await this.load(true);
+      await this.load();
       tell(`This browser had edits that it had not sent: ${sent}. They are restored.`);
     }
     if (this.sync.kept.length)
-      this.#offerKept('Edits that the desk did not take are kept in this browser.');
+      offerKept(this.sync, 'Edits that the desk did not take are kept in this browser.');
     this.setWriter(desk.page);
     this.sync.retry();
   }
 
-  /** The track as the desk has it, if it may be another one. */
-  async load(always = false) {
+  /** The track as the desk has it, which may be another one. */
+  async load() {
     const data = await desk.get('track');
-    if (always || data.revision !== this.sync.revision || this.sync.state === 'refused')
-      this.sync.reload(this.newTrack(data.cues), data.revision, data.saved);
+    this.sync.reload(this.newTrack(data.cues), data.revision, data.saved);
   }
 
   /** @param {string|null} writer the page that writes */
@@ -245,23 +244,10 @@ class Page {
     const why = this.sync.text;
     try {
       await this.load();
-      this.#offerKept(`${why}. The desk's track was loaded again.`);
+      offerKept(this.sync, `${why}. The desk's track was loaded again.`);
     } finally {
       this.reloading = false;
     }
-  }
-
-  /** What could not be sent, as a file; it is forgotten when that is dismissed. */
-  #offerKept(text) {
-    const file = new Blob([JSON.stringify(this.sync.kept, null, 1)], { type: 'application/json' });
-    const href = URL.createObjectURL(file);
-    const item = fail(text);
-    item.firstChild.append(' ', element('a', { href, download: 'edits-not-sent.json' }, 'Download them'));
-    item.lastChild.addEventListener('click', () => {
-      URL.revokeObjectURL(href);
-      while (this.sync.kept.length)
-        this.sync.forget(0);
-    });
   }
 
   #showTime() {
@@ -301,7 +287,7 @@ class Page {
   setLoop(loop, byButton = false) {
     if (byButton) {
       if (!loop && !this.film.loop)
-        fail('Select the time to be looped first: in the timeline, by Enter or by I and O.');
+        tell('Select the time to be looped first: in the timeline, by Enter or by I and O.');
       this.timeline.loop = loop && { from: loop.from, to: loop.to };
     }
     this.film.loop = loop && { from: loop.from, to: loop.to };
@@ -330,36 +316,24 @@ class Page {
       say(`Saved ${path}${kept ? `; what was there is now ${kept}` : ''}`);
     } catch (thrown) {
       if (thrown.changed)
-        this.#offerSaveOver();
+        offerSaveOver(this.session.track.name, () => this.save(true));
       else
         failed(thrown);
     }
   }
 
-  #offerSaveOver() {
-    const { name } = this.session.track;
-    const item = fail(`Another program has changed ${name} since it was opened or saved here. Nothing was saved. `
-      + 'If you save over it, what the file has now is kept beside it.');
-    const over = element('button', { type: 'button', id: 'save-over' }, 'Save over it');
-    over.addEventListener('click', () => {
-      item.remove();
-      this.save(true);
-    });
-    item.insertBefore(over, item.lastChild);
-  }
-
   async #operate(kind, values) {
     const body = request(kind, values, this.timeline.selection);
     if (this.readOnly)
-      throw new RangeError('This page only reads. Take over first.');
+      throw new Hint('This page only reads. Take over first.');
     if (kind.draft && !this.draft)
-      throw new RangeError('The automatic draft is not there yet. Try again when it has been made.');
+      throw new Hint('The automatic draft is not there yet. Try again when it has been made.');
     if (this.sync.pending)
-      throw new RangeError('Edits are still on their way to the desk. Try again in a moment.');
+      throw new Hint('Edits are still on their way to the desk. Try again in a moment.');
     const { fingerprint } = this.history.track;
     const { splices } = await desk.post('operation', { revision: this.sync.revision, ...body });
     if (this.readOnly || this.history.track.fingerprint !== fingerprint)
-      throw new RangeError('The track has changed meanwhile. Try again.');
+      throw new Hint('The track has changed meanwhile. Try again.');
     this.history.do(splices, { label: kind.label });
     say(splices.length ? `Done: ${kind.label}` : `${kind.label}: nothing to change`);
   }

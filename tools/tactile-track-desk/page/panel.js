@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 import * as strokes from './strokes.js';
-import { choiceForm, element } from './forms.js';
+import { Hint, choiceForm, element } from './forms.js';
 import { TEMPLATES, template } from './templates.js';
 import { formatTime, parseTime } from './time.js';
 import { extent } from './track.js';
@@ -18,7 +18,7 @@ export class Panel {
   #shown = ''; // the selection whose values the fields have
 
   /**
-   * @param {{history: History, timeline: Timeline, film: Film, say: function(string), fail: function(string)}} desk
+   * @param {{history: History, timeline: Timeline, film: Film, say: function(string), failed: function(Error)}} desk
    */
   constructor(desk) {
     this.#desk = desk;
@@ -84,14 +84,14 @@ export class Panel {
   #selected() {
     const { selection } = this.#desk.timeline;
     if (!selection)
-      throw new RangeError('Select some time first: in the timeline by Enter, or by I and O at its begin and end.');
+      throw new Hint('Select some time first: in the timeline by Enter, or by I and O at its begin and end.');
     return selection;
   }
 
   #do(edit, label, gesture) {
     const { history } = this.#desk;
     if (this.#desk.readOnly)
-      throw new RangeError('This page only reads. Take over first.');
+      throw new Hint('This page only reads. Take over first.');
     history.do(edit(history.track), { label, gesture });
   }
 
@@ -99,7 +99,7 @@ export class Panel {
     try {
       run();
     } catch (thrown) {
-      this.#desk.fail(thrown.message);
+      this.#desk.failed(thrown);
     }
   }
 

@@ -77,7 +77,7 @@ export class Review {
   #first = 0;
   #all = false;
 
-  /** @param {HTMLElement} element empty @param {object} desk history, draft, say, fail, play(from, to) */
+  /** @param {HTMLElement} element empty @param {object} desk history, draft, say, failed, play(from, to) */
   constructor(element, desk) {
     this.#element = element;
     this.#desk = desk;
@@ -175,7 +175,7 @@ export class Review {
       this.#desk.history.do(splices, { label });
       this.#desk.say(`${label}: ${formatTime(start)}`);
     } catch (thrown) {
-      this.#desk.fail(thrown.message);
+      this.#desk.failed(thrown);
     }
   }
 

@@ -27,6 +27,7 @@ export class Strip {
       for (let index = this.#strip?.final ?? 0; index < strip.final; index++)
         this.#images.delete(index);
       this.#strip = strip;
+      this.#timeline.impacts = cuts.impacts;
       this.#timeline.cuts = cuts.cuts;
       if (peaks.length) {
         this.#sound = this.#joined(peaks);

@@ -129,7 +129,7 @@ export class Sync extends EventTarget {
       const answer = await this.#answer('edits', { edit, revision: this.revision, splices });
       this.#problem = this.#problemOf(answer);
       if (!this.#problem) {
-        this.#queue.shift();
+        if (this.#queue[0]?.edit === edit) this.#queue.shift();
         ({ revision: this.revision, saved: this.saved } = answer.body);
         this.#store();
         attempt = 0;
@@ -185,17 +185,23 @@ export class Sync extends EventTarget {
     return answer.body;
   }
 
-  /** After 'conflict' or 'refused': this track instead. What was not sent is in `kept`. */
+  /**
+   * The track as the desk has it now. If edits that are not sent fit it, they are sent, and nothing else
+   * changes: the desk was started again, and counts anew. Otherwise it is taken, and the edits are in `kept`.
+   */
   reload(track, revision, saved) {
-    if (this.#queue.length > 0) {
-      this.#keep(this.#queue, this.text, this.history.track.cues);
-    }
-    this.#queue = [];
+    const queue = this.#queue;
+    const print = track.fingerprint;
+    if (queue[0]?.after === print && queue[0].before !== print) queue.shift(); // its answer was lost
+    const fits = this.#problem?.state !== 'refused' && print === (queue[0]?.before ?? this.#print);
+    if (!fits && queue.length > 0) this.#keep(queue, this.text, this.history.track.cues);
+    if (!fits) this.#queue = [];
     this.#problem = null;
     Object.assign(this, { revision, saved });
     this.#store();
-    this.history.reset(track);
+    if (!fits) this.history.reset(track);
     this.#tell();
+    if (this.#queue.length > 0) this.#run();
   }
 
   /**

@@ -31,6 +31,10 @@ export class Timeline extends EventTarget {
   ghost = [];
   /** Points of a curve that a gesture would make, or null. */
   points = null;
+  /** The point of a curve that keys have selected, among those of its event: {cell, points, index}, or null. */
+  held = null;
+  /** Impacts of the sound, ms, in order. */
+  impacts = [];
   hasFocus = false;
 
   /**
@@ -260,6 +264,18 @@ export class Timeline extends EventTarget {
   set snap(snap) {
     this.#snap = snap;
     this.#tell('tool', {});
+  }
+
+  /** Rows are high, so that levels are easy to hit. */
+  get tall() {
+    return this.view.tall;
+  }
+
+  set tall(tall) {
+    this.view.tall = tall;
+    this.reveal(this.playhead, this.cell);
+    this.#tell('tool', {});
+    this.refresh();
   }
 
   zoom(factor, ms = this.playhead) {

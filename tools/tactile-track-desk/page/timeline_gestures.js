@@ -106,12 +106,12 @@ export class TimelineGestures {
     return readOnly || (tool === 'select' && part === 'empty') ? 'select' : part;
   }
 
-  /** What a drag of an event is about: the selection if the event is in it. */
+  /** What a drag of an event is about: the selection if the whole event is in it. */
   #source({ cell, event }) {
     if (!event) return null;
     const { selection } = this.timeline;
     const isIn = selection && (selection.cells?.includes(cell) ?? true)
-      && event.start < selection.to && event.end > selection.from;
+      && event.start >= selection.from && event.end <= selection.to;
     return isIn ? selection : { from: event.start, to: event.end, cells: [cell] };
   }
 
@@ -146,15 +146,18 @@ export class TimelineGestures {
     timeline.refresh();
   }
 
-  /** Whole ms within the film, or the playhead, a shot cut or the loop's edge if they are near. */
+  /** The nearest of playhead, shot cuts, impacts and the loop's edges, if one is near. */
+  #near(ms) {
+    const { snap, view, cuts, impacts, playhead, loop } = this.timeline;
+    const near = snap ? SNAP * view.scale : -1;
+    const places = [playhead, nearest(cuts, ms), nearest(impacts, ms), loop?.from, loop?.to]
+      .filter((place) => place !== undefined && Math.abs(place - ms) <= near);
+    return places.length ? Math.round(nearest(places.sort((a, b) => a - b), ms)) : undefined;
+  }
+
+  /** Whole ms within the film, or what is near. */
   #snapped(ms) {
-    const { timeline } = this;
-    const near = timeline.snap ? SNAP * timeline.view.scale : -1;
-    const { cuts, playhead, loop } = timeline;
-    for (const place of [playhead, nearest(cuts, ms), loop?.from, loop?.to]) {
-      if (place !== undefined && Math.abs(place - ms) <= near) return Math.round(place);
-    }
-    return Math.round(Math.min(Math.max(ms, 0), timeline.length));
+    return this.#near(ms) ?? Math.round(Math.min(Math.max(ms, 0), this.timeline.length));
   }
 
   #during = {
@@ -200,7 +203,10 @@ export class TimelineGestures {
     event: (drag, { x, y }) => {
       const { view } = this.timeline;
       const { source } = drag;
-      const from = this.#snapped(source.from + (x - drag.x) * view.scale);
+      // The begin snaps, else the end.
+      const dragged = source.from + (x - drag.x) * view.scale;
+      const end = this.#near(dragged + source.to - source.from);
+      const from = this.#near(dragged) ?? (end ? end - source.to + source.from : this.#snapped(dragged));
       const { columns } = this.#track;
       const to = view.cellAt(y);
       const by = { ms: from - source.from,

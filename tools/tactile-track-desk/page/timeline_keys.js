@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 /** The keys of the timeline. What they do not use is the page's. */
+import { PointKeys } from './point_keys.js';
 import * as strokes from './strokes.js';
 import { cellName, extent } from './track.js';
 import { formatTime } from './time.js';
@@ -12,6 +13,7 @@ export const KEYS = [
   { keys: ['Home', 'End'], does: 'To the begin, to the end' },
   { keys: ['Page Up', 'Page Down'], does: 'A screen back, forward' },
   { keys: ['C', 'Shift+C'], does: 'To the next, the last shot cut' },
+  { keys: ['U', 'Shift+U'], does: 'To the next, the last impact of the sound' },
   { keys: ['N', 'Shift+N'], does: 'To the next, the last warning' },
   { keys: ['Shift + one of the first five'], does: 'Selects up to there' },
   { keys: ['I', 'O'], does: 'The selection begins, ends at the playhead' },
@@ -33,6 +35,7 @@ export const KEYS = [
   { keys: ['L'], does: 'Loops the selection, or ends that' },
   { keys: ['Z', 'Shift+Z'], does: 'Zooms in, out' },
   { keys: ['W', 'Shift+W'], does: 'Zooms to the whole film, to the selection' },
+  { keys: ['Y'], does: 'Rows are high, or all in view' },
   { keys: ['Q', 'D', 'B', 'H', 'X'], does: 'The pointer selects, draws, paints, bends levels, cuts' },
   { keys: ['Shift+S'], does: 'Edges snap to what is near, or not' },
 ];
@@ -41,6 +44,7 @@ export const KEYS = [
 const NEW_EVENT = 200;
 
 export class TimelineKeys {
+  #points;
   #anchor = null; // {ms, cell} where a selection with Shift began
   #gesture = null; // of a key that is held down
   #clip = null;
@@ -49,6 +53,7 @@ export class TimelineKeys {
   /** @param {import('./timeline.js').Timeline} timeline */
   constructor(timeline) {
     this.timeline = timeline;
+    this.#points = new PointKeys(timeline);
     timeline.history.addEventListener('change', () => { this.#moved = null; });
     timeline.canvas.addEventListener('keydown', (event) => {
       timeline.hasFocus = true; // by keys
@@ -68,6 +73,8 @@ export class TimelineKeys {
     const name = key.length === 1 ? key.toLowerCase() : key;
     const command = ctrlKey || metaKey;
     if (command && altKey) return false; // AltGr
+    const shifted = shiftKey && name.length > 1; // + has Shift on some keyboards
+    if (!shifted && this.#points.press(name, { command, alt: altKey }, this.#gesture)) return true;
     const act = (command ? this.#commands : altKey ? this.#moves : this.#plain)[name];
     if (!act) return false;
     act.call(this, shiftKey);
@@ -99,9 +106,11 @@ export class TimelineKeys {
     o: () => this.#edge('to'),
     l: () => this.#loop(),
     c: (shift) => this.#to(this.timeline.cuts, 'shot cut', shift),
+    u: (shift) => this.#to(this.timeline.impacts, 'impact', shift),
     n: (shift) => this.#warning(shift),
     z: (shift) => this.timeline.zoom(shift ? 1 / 1.5 : 1.5),
     w: (shift) => (shift ? this.timeline.showSelection() : this.timeline.show(0, this.timeline.length)),
+    y: () => this.#tall(),
     q: () => this.#tool('select'),
     d: () => this.#tool('draw'),
     b: () => this.#tool('paint'),
@@ -331,6 +340,11 @@ export class TimelineKeys {
   #snap() {
     this.timeline.snap = !this.timeline.snap;
     this.timeline.say(this.timeline.snap ? 'Snap on' : 'Snap off');
+  }
+
+  #tall() {
+    this.timeline.tall = !this.timeline.tall;
+    this.timeline.say(this.timeline.tall ? 'Tall rows' : 'All rows in view');
   }
 
   #copy() {

@@ -57,6 +57,7 @@ export class TimelinePainter {
     this.#rows(view);
     if (view.hasStrip) this.#strip(timeline);
     if (view.hasWave) this.#wave(timeline);
+    if (view.hasWave) this.#impacts(timeline);
     this.#lines(view, timeline.cuts, colors.cut);
     context.save();
     context.beginPath();
@@ -128,6 +129,14 @@ export class TimelinePainter {
     }
   }
 
+  /** A tick at the bottom of the waveform for each impact. */
+  #impacts({ view, impacts }) {
+    const { context, colors } = this;
+    context.fillStyle = colors.text;
+    for (let i = firstAfter(impacts, view.from); i < impacts.length && impacts[i] < view.to; i++)
+      context.fillRect(Math.round(view.x(impacts[i])), view.rowsTop - 9, 2, 8);
+  }
+
   /** A line below the events where a cell breaks a limit, above all rows where several do. */
   #warnings(view, warnings) {
     const { context, colors } = this;
@@ -177,13 +186,17 @@ export class TimelinePainter {
   }
 
   /** The points of the events in view, if they are not too many. */
-  #curves(view, { history: { track }, ghost, points }) {
+  #curves(view, { history: { track }, ghost, points, held }) {
     const [first, last] = view.visibleCells;
     for (let cell = first; cell < last; cell++) {
       const events = [...track.events(cell, Math.floor(view.from), Math.ceil(view.to))];
       if (events.length > view.span / 30) continue;
-      for (const event of events) this.#curve(view, cell, pointsOf(track, event));
+      for (const event of events) {
+        const isHeld = held?.cell === cell && held.points[0].ms === event.start;
+        this.#curve(view, cell, isHeld ? held.points : pointsOf(track, event));
+      }
     }
+    if (held) this.#heldPoint(view, held);
     if (points) this.#curve(view, ghost[0].cell, points);
   }
 
@@ -196,6 +209,14 @@ export class TimelinePainter {
     for (const [x, y] of places) context.lineTo(x, y);
     context.stroke();
     for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
+  }
+
+  #heldPoint(view, { cell, points, index }) {
+    const { context, colors } = this;
+    const { ms, level } = points[index];
+    context.strokeStyle = colors.selection;
+    context.lineWidth = 2;
+    context.strokeRect(view.x(ms) - 6, view.bar(cell, level)[0] - 6, 12, 12);
   }
 
   #ruler({ view, history: { track }, loop }) {

@@ -10,6 +10,8 @@ export const RULER = 26;
 const STRIP = 48;
 const WAVE = 36;
 const LEAST_ROW = 18;
+/** Height of a row whose levels are edited. */
+const TALL_ROW = 72;
 /** A pixel is at least so long: then a frame of a film of 25 a second is 800 pixels wide. */
 const FINEST = 0.05;
 /** How near a pointer has to be to an edge. */
@@ -21,6 +23,7 @@ export class TimelineView {
   from = 0; // ms at the left edge of the rows
   scale = 10;
   scroll = 0; // of the rows, pixels
+  tall = false; // rows are high, and not all in view
 
   /** @param {number} cells */
   constructor(cells) {
@@ -58,7 +61,7 @@ export class TimelineView {
   }
 
   get rowHeight() {
-    return Math.max((this.height - this.rowsTop) / this.cells, LEAST_ROW);
+    return Math.max((this.height - this.rowsTop) / this.cells, this.tall ? TALL_ROW : LEAST_ROW);
   }
 
   /** Height of a bar of 100 %; below it is room for warnings. */
@@ -167,8 +170,9 @@ export class TimelineView {
     const edge = Math.min(near, (event.end - event.start) / 3);
     if (ms < event.start + edge) return { part: 'begin', cell, ms, event };
     if (ms > event.end - edge) return { part: 'end', cell, ms, event };
-    const [top] = this.bar(cell, track.level(cell, at));
-    return { part: Math.abs(y - top) < 4 ? 'level' : 'event', cell, ms, event };
+    // Of a low one, most of what is below its top moves it, too.
+    const [top, height] = this.bar(cell, track.level(cell, at));
+    return { part: y > top - 4 && y < top + Math.min(4, height / 4) ? 'level' : 'event', cell, ms, event };
   }
 
   #eventNear(track, cell, ms, near) {

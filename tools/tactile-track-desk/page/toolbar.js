@@ -9,12 +9,14 @@ export class Toolbar {
     const show = () => {
       for (const button of tools)
         button.setAttribute('aria-pressed', button.dataset.tool === timeline.tool);
-      document.getElementById('snap').setAttribute('aria-pressed', timeline.snap);
+      for (const id of ['snap', 'tall'])
+        document.getElementById(id).setAttribute('aria-pressed', timeline[id]);
       document.getElementById('zoom-selection').disabled = !timeline.selection;
     };
     for (const button of tools)
       button.addEventListener('click', () => { timeline.tool = button.dataset.tool; });
-    click('snap', () => { timeline.snap = !timeline.snap; });
+    for (const id of ['snap', 'tall'])
+      click(id, () => { timeline[id] = !timeline[id]; });
     click('zoom-in', () => timeline.zoom(1.5));
     click('zoom-out', () => timeline.zoom(1 / 1.5));
     click('zoom-all', () => timeline.show(0, timeline.length));
