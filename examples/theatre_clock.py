@@ -28,8 +28,7 @@ FINE = 50e3  # ns: from here on it is asked less often
 EARLIEST, LATEST = 10**9, 2**62  # ns, of the server's clock: what is reckoned from it fits a GstClockTime
 DENSITY = 10  # packets of each direction from which it is told how dense they lie at the bound
 ASK_OFTEN = 0.01  # s from one question to the next
-ASK_SELDOM = 0.25
-ASK_LEAST = 1.0  # s, of a server that answers slowly
+ASK_SELDOM = 0.25  # also of a server whose answers take long
 ANSWERS = 10  # from which it is told whether questions wait at the server
 QUICK = 20e6  # ns: the quickest of these takes no longer, beyond the quickest of all; jitter does not touch the quickest, a queue does
 LONGEST = 2 * QUICK  # ns: half of the shortest round trip is the error that cannot be seen
@@ -70,7 +69,7 @@ class Offset:
             self.answers = 0
             trips = self._trips()
             waits = min(trips[-ANSWERS:]) > min(*trips, QUICK) + QUICK
-            self.pace = min(2 * self.pace, ASK_LEAST) if waits else max(self.pace / 2, ASK_OFTEN)
+            self.pace = min(2 * self.pace, ASK_SELDOM) if waits else max(self.pace / 2, ASK_OFTEN)
 
     def fit(self, now):
         self._fit(now)
@@ -116,7 +115,7 @@ class Offset:
     @property
     def ask_again(self):
         """Seconds until the next request."""
-        return max(ASK_SELDOM, self.pace) if self.uncertainty <= FINE else self.pace
+        return ASK_SELDOM if self.uncertainty <= FINE else self.pace
 
     def server_time(self):
         """(this computer's time, the server's at that time)"""
