@@ -142,9 +142,8 @@ open_tactors(GstElement *element, TactorOpening opening,
 
   const tactor::Driver &driver = *output.driver;
   if (const std::string board = driver.status().board; board != "simulator")
-    tactor::remember_device({ .driver = settings.driver == "auto" ? "firmata" : settings.driver,
-                              .device = settings.device,
-                              .board = board });
+    tactor::remember_device(
+        { .driver = settings.driver, .device = settings.device, .board = board });
   tactor::PlannerSettings planner = settings.planner;
   planner.transport_latency = driver.transport_latency();
   planner.line = driver.line();

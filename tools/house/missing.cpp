@@ -109,7 +109,8 @@ absent_device(const std::vector<FoundDevice> &found, const std::vector<std::stri
            && (last->device.empty() || last->device == device.device
                || last->device == device.name);
   };
-  if (!last || std::ranges::find(servers, last->driver) != servers.end()
+  // A board of driver=auto has the row of that driver.
+  if (!last || last->driver == "auto" || std::ranges::find(servers, last->driver) != servers.end()
       || std::ranges::any_of(found, is_it))
     return std::nullopt;
   return FoundDevice{ .name = in_text("{}, not connected now", last->board),
