@@ -15,6 +15,7 @@
 namespace {
 
 constexpr std::string_view kPeople[] = { "off", "fast", "thorough" };
+constexpr std::string_view kCameras[] = { "off", "gentle" };
 constexpr std::string_view kCompensations[] = { "exact", "frame-block", "none" };
 
 void
@@ -80,6 +81,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Detect faces and prefer events in them: off (default), fast or thorough; without effect in "
       "the profile paper",
       "NAME" },
+    { "camera", 0, 0, G_OPTION_ARG_STRING, &options.camera.value,
+      "A soft wave in the direction in which the camera travels: off (default) or gentle; not "
+      "with the profile paper",
+      "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
@@ -137,6 +142,7 @@ read_command_line(int argc, char **argv, Options &options)
   expect_range("--intensity", options.intensity, 0, 1);
   expect_one_of("--profile", options.profile.text(), kProfiles);
   expect_one_of("--people", options.people.text(), kPeople);
+  expect_one_of("--camera", options.camera.text(), kCameras);
   expect_one_of("--compensation", options.compensation.text(), kCompensations);
   sound_profile(options.sound.text());
   expect_driver(chosen_device(options).driver, kAudio);
