@@ -32,19 +32,6 @@ viewport_type()
   return type;
 }
 
-GType
-camera_type()
-{
-  static const GEnumValue values[] = {
-    { static_cast<gint>(CameraMode::off), "Nothing", "off" },
-    { static_cast<gint>(CameraMode::gentle),
-      "A soft wave in the direction of travel, while no event is felt", "gentle" },
-    { 0, nullptr, nullptr },
-  };
-  static const GType type = properties::register_enum("GstSaliencyTactileCamera", values);
-  return type;
-}
-
 std::optional<std::string>
 write_weights(const SaliencySettings &settings)
 {
@@ -112,7 +99,7 @@ constexpr P kProperties[] = {
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
   P::choice("camera", "Effect of a camera that travels; nothing with profile=paper", kPlaying,
-            PROPERTY_FIELD(camera), camera_type),
+            PROPERTY_FIELD(camera), camera_mode_type),
   P::choice("video-direction",
             "How the picture, and with it the grid, is turned on its way to the screen (auto: by "
             "its tag)",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../cameramode.h"
 #include "../peoplemode.h"
 #include "../properties.h"
 #include "saliency/region_weights.h"
@@ -15,13 +16,6 @@ enum class ProfileName
 {
   tuned,
   paper,
-};
-
-/// The effect of a camera that travels.
-enum class CameraMode
-{
-  off,
-  gentle,
 };
 
 enum class ViewportMode

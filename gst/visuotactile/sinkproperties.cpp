@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkproperties.h"
 
+#include "../cameramode.h"
 #include "../peoplemode.h"
 #include "../properties.h"
 #include "../soundmode.h"
@@ -42,6 +43,7 @@ struct Defaults
   std::string unset;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   PeopleMode people = PeopleMode::off;
+  CameraMode camera = CameraMode::off;
   SoundMode sound = SoundMode::film;
 };
 
@@ -111,6 +113,8 @@ constexpr Entry kEntries[] = {
             kPlaying, PROPERTY_FIELD(unset)) },
   { Owner::analysis, P::choice("people", "Detect faces and prefer events in them", kPlaying,
                                PROPERTY_FIELD(people), people_mode_type) },
+  { Owner::analysis, P::choice("camera", "Effect of a camera that travels", kPlaying,
+                               PROPERTY_FIELD(camera), camera_mode_type) },
   { Owner::analysis, P::number<gdouble>("max-rate", "Frames to analyze per second (0 = all)",
                                         kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
   { Owner::analysis,

@@ -249,13 +249,13 @@ CAPTION
 ## An hour of editing
 
 Chromium at 1366 x 768 is driven by real keys and a pointer that misses its target by 1.5 pixels (standard deviation),
-with 15 s in view. After each edit the desk's track is compared with a model; an edit that is not as it was meant is
+with 12 s in view. After each edit the desk's track is compared with a model; an edit that is not as it was meant is
 undone and tried again. Every 60 edits the track is saved and validated, every 100 the page is loaded again; in the end
 the desk is started again under the open page, and all is undone. "Instead" is what wrong tries did.
 
 CAPTION
       TRACK="$built/tools/tactile-track" VISUOTACTILE_DESK="$built/tools/tactile-track-desk" VISUOTACTILE_DESK_PAGE="$root/tools/tactile-track-desk/page" \
-        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/hour.py" 400
+        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/hour.py" 200
       cat <<'CAPTION'
 
 ## Beside its peers

@@ -251,7 +251,7 @@ def main():
             page.save()
             assert (folder / "film.vtt").read_bytes() == (folder / "before.vtt").read_bytes()
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    print(f"{sum(map(len, hour.tries.values()))} edits, {sum(map(sum, hour.tries.values()))} tries, {time.monotonic() - begin:.0f} s; all undone, the file is as it was")
+    print(f"{sum(map(len, hour.tries.values()))} edits, {sum(map(sum, hour.tries.values()))} tries, {time.monotonic() - begin:.0f} s; all undone, the file is as it was\n")
     print("| edit | times | at the first try | instead |\n|---|---|---|---|")
     for kind, tries in sorted(hour.tries.items()):
         instead = ", ".join(f"{what.split(': ')[1]} {times}" for what, times in hour.instead.items() if what.startswith(kind))

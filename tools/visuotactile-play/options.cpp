@@ -76,6 +76,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Detect faces and prefer events in them: off (default), fast or thorough; not "
       "with the profile paper",
       "NAME" },
+    { "camera", 0, 0, G_OPTION_ARG_STRING, &options.camera.value,
+      "A soft wave in the direction in which the camera travels: off (default) or gentle; not "
+      "with the profile paper",
+      "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
@@ -143,6 +147,8 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--profile is tuned or paper");
   if (!is_one_of(options.people, { "off", "fast", "thorough" }))
     throw UsageError("--people is off, fast or thorough");
+  if (!is_one_of(options.camera, { "off", "gentle" }))
+    throw UsageError("--camera is off or gentle");
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
     throw UsageError("--compensation is exact, frame-block or none");
   sound_profile(options.sound.text());

@@ -77,7 +77,7 @@ CHECK_TEST(test_properties_are_the_childrens)
     }
     gst_object_unref(child);
   }
-  ck_assert_uint_eq(compared, 22);
+  ck_assert_uint_eq(compared, 23);
   gst_object_unref(chair);
 }
 
