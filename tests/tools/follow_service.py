@@ -360,12 +360,12 @@ def activation():
     service = bus.get_object(NAME, PATH)
     assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
     pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
-    # Without a player, it waits. On a slow computer it wakes up less often.
+    # Without a player, it wakes up less than once a second, on a slow computer more seldom.
     waits = lambda: sum(int(line.split()[1]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for line in open(task / "status", encoding="utf-8")
                         if line.startswith("voluntary_"))
     begin, before = time.monotonic(), waits()
-    wait_until("three seconds", lambda: time.monotonic() > begin + 3)
-    assert waits() - before < 5 * (time.monotonic() - begin), (before, waits())
+    wait_until("ten seconds", lambda: time.monotonic() > begin + 10)
+    assert waits() - before < time.monotonic() - begin + 2, (before, waits())
     os.kill(pid, signal.SIGTERM)
     wait_until("its end", lambda: not bus.name_has_owner(NAME))
     unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")
