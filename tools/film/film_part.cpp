@@ -107,10 +107,15 @@ FilmPart::on_map(GstAppSink *maps)
   return flow;
 }
 
-/// GStreamer 1.22 comes to no end of some films, such as short animations.
+/// GStreamer 1.22 comes to no end of some films, such as short animations. Sound may be longer than
+/// the picture.
 gboolean
 FilmPart::look_for_stall()
 {
+  gint64 at = 0;
+  if (gst_element_query_position(pipeline_.get(), GST_FORMAT_TIME, &at)
+      && std::exchange(reached_, at) != at)
+    return G_SOURCE_CONTINUE;
   const std::size_t frames = frames_;
   const bool begins = frames == 0 && (span_.begin == Time(0) || ++empty_looks_ < kMostEmpty);
   if (begins || (frames > 0 && std::exchange(seen_, frames) != frames))

@@ -69,6 +69,7 @@ private:
   std::atomic<visuotactile::Time::rep> position_{ 0 };
   std::atomic<std::size_t> frames_{ 0 };
   std::size_t seen_ = 0; ///< frames at the last look_for_stall()
+  gint64 reached_ = 0;   ///< position of the pipeline then
   int empty_looks_ = 0;
   guint stall_ = 0;
   // Used by the streaming thread, and by others after it has ended.

@@ -42,6 +42,8 @@ FilmContents::read()
                                 end(failure);
                               } },
         strip_.is_whole() ? "" : strip_.line(film_));
+    if (draft_.track()) // the pictures alone are missing
+      g_object_set(element(part_->pipeline(), "analysis").get(), "max-rate", 0.1, nullptr);
     run_in_background(part_->pipeline().get());
     if (!strip_.is_whole())
       strip_.listen(part_->pipeline());

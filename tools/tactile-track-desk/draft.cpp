@@ -16,7 +16,7 @@ FilmDraft::FilmDraft(std::string film, const AnalysisSettings &settings)
 void
 FilmDraft::add(FilmMap map)
 {
-  if (full_.empty())
+  if (!track_ && full_.empty())
     if (const auto added = recorder_.add(std::move(map)); !added)
       full_ = added.error().text();
 }
