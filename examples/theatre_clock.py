@@ -28,7 +28,10 @@ FINE = 50e3  # ns: from here on it is asked less often
 EARLIEST, LATEST = 10**9, 2**62  # ns, of the server's clock: what is reckoned from it fits a GstClockTime
 DENSITY = 10  # packets of each direction from which it is told how dense they lie at the bound
 ASK_OFTEN = 0.01  # s from one question to the next
-ASK_SELDOM = 0.25
+ASK_SELDOM = 0.25  # also of a server whose answers take long
+ANSWERS = 10  # from which it is told whether questions wait at the server
+QUICK = 20e6  # ns: the quickest of these takes no longer, beyond the quickest of all; jitter does not touch the quickest, a queue does
+LONGEST = 2 * QUICK  # ns: half of the shortest round trip is the error that cannot be seen
 
 
 def _hull(points):
@@ -50,6 +53,8 @@ class Offset:
         self.begin, self.origin = 0, 0  # all times are relative to these, so that doubles are precise
         self.reference, self.ahead, self.drift = 0, 0.0, 0.0
         self.uncertainty = float("inf")  # what the offset is expected to be off by, the packets being as dense at the bounds as seen
+        self.pace = ASK_OFTEN
+        self.answers = 0  # since the pace was set
 
     def add(self, asked, server, answered):
         """An exchange: sent and received on this computer's clock, the server's time in between. Invalid times are ignored."""
@@ -59,10 +64,19 @@ class Offset:
             self.begin, self.origin = asked, server - asked
         # At `asked`, the offset is at most the first and at least the second.
         self.exchanges.append((asked - self.begin, server - asked - self.origin, server - answered - self.origin))
+        self.answers += 1
+        if self.answers == ANSWERS:
+            self.answers = 0
+            trips = self._trips()
+            waits = min(trips[-ANSWERS:]) > min(*trips, QUICK) + QUICK
+            self.pace = min(2 * self.pace, ASK_SELDOM) if waits else max(self.pace / 2, ASK_OFTEN)
 
     def fit(self, now):
         self._fit(now)
-        self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED)
+        self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED) and min(self._trips()) <= LONGEST
+
+    def _trips(self):
+        return [most - least for _, most, least in self.exchanges]
 
     def _fit(self, now):
         """Fits the line with the greatest distance from all bounds."""
@@ -101,7 +115,7 @@ class Offset:
     @property
     def ask_again(self):
         """Seconds until the next request."""
-        return ASK_SELDOM if self.uncertainty <= FINE else ASK_OFTEN
+        return ASK_SELDOM if self.uncertainty <= FINE else self.pace
 
     def server_time(self):
         """(this computer's time, the server's at that time)"""

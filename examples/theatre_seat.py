@@ -3,11 +3,13 @@
 """A seat of a theatre: plays the maps of theatre_server.py on the motors of one chair."""
 import argparse
 import contextlib
+import random
 import sys
 import threading
 
 import theatre
 import theatre_clock
+import theatre_seats
 from theatre import GLib, Gst
 
 
@@ -109,6 +111,15 @@ def make(options):
 
         follower.on_change = on_change
         silence()
+    number = random.getrandbits(32)
+    line = theatre_seats.Line(options.server, options.clock_port + 1)
+
+    def report():
+        late = chair.get_property("actuation-stats").get_uint64("late")[1]
+        line.send(theatre_seats.REPORT.pack(theatre_seats.MAGIC, number, late, not follower or follower.settled.is_set()))
+        return True
+
+    GLib.timeout_add_seconds(theatre_seats.EVERY, report)
     pipeline.use_clock(clock)
     pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
     pipeline.set_base_time(0)

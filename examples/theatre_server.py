@@ -3,8 +3,10 @@
 """Shows a film and sends its tactile maps to the seats of a theatre."""
 import argparse
 import sys
+import time
 
 import theatre
+import theatre_seats
 from theatre import GLib, Gst, GstNet
 
 
@@ -46,6 +48,29 @@ def sender(number, own, clients, latency):
     )
 
 
+def hear_seats(own, port):
+    """Prints how many seats there are, and how many of them are late, whenever that changes."""
+    seats, told = theatre_seats.Seats(), (0, 0)
+    lines = theatre_seats.lines_at(own, port)
+
+    def tell():
+        nonlocal told
+        for line in lines:
+            for _ in range(theatre_seats.MOST):
+                try:
+                    packet = line.recv(64)
+                except OSError:
+                    break
+                seats.add(time.monotonic(), packet)
+        now = seats.count(time.monotonic())
+        if now != told:
+            print("seats: %d, late: %d" % now, flush=True)
+        told = now
+        return True
+
+    GLib.timeout_add_seconds(1, tell)
+
+
 def main():
     options = parse(sys.argv[1:])
     Gst.init(None)
@@ -76,6 +101,7 @@ def main():
     else:
         clock = theatre.ptp_clock(options.ptp)
         providers = []
+    hear_seats(clients, options.clock_port + 1)
     play.use_clock(clock)
     play.set_latency(options.latency * Gst.MSECOND)
 

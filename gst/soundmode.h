@@ -21,7 +21,7 @@ sound_mode_type(void)
     constexpr const char *kName = "GstTactileSound";
     if (const GType known = g_type_from_name(kName)) // of another plugin, which stays loaded
       return known;
-    static std::vector<GEnumValue> values{ { 0, "Nothing of the sound", "off" } };
+    static std::vector<GEnumValue> values{ { 0, "No impacts and no rumble", "off" } };
     for (const fusion::Profile &profile : fusion::profiles())
       values.push_back({ static_cast<gint>(values.size()), profile.does, profile.name });
     values.push_back({ 0, nullptr, nullptr });

@@ -75,6 +75,7 @@ FilmAnalysis::forget()
     people_->reset();
   viewport_.reset();
   camera_wave_.reset();
+  limiter_.reset();
 }
 
 void
@@ -97,14 +98,23 @@ FilmAnalysis::stop()
 }
 
 bool
-FilmAnalysis::is_due(const SaliencySettings &settings, tactile::Orientation orientation,
-                     saliency::Time time)
+FilmAnalysis::turn(tactile::Orientation orientation)
+{
+  if (orientation == orientation_)
+    return false;
+  orientation_ = orientation;
+  limiter_.reset();
+  return true;
+}
+
+bool
+FilmAnalysis::is_due(const SaliencySettings &settings, saliency::Time time)
 {
   // Time stamps are rounded: three times a third of 100 ms is less than 100 ms.
   constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
 
   if (map_.rows != settings.rows || map_.columns != settings.columns || !analyzer_
-      || kind_ != kind_of(settings) || orientation_ != orientation)
+      || kind_ != kind_of(settings) || orientation_ != map_orientation_)
     return true;
   const bool back = time < std::exchange(last_time_, time);
   if (next_analysis_ && !back && settings.max_rate > 0 && time + kSameTime < *next_analysis_)
@@ -186,10 +196,17 @@ FilmAnalysis::halvings(const SaliencySettings &settings, int width, int height)
   return saliency::preceding_halvings(analyzer_->profile(), { width, height });
 }
 
+tactile::TactileMap
+FilmAnalysis::map(const SaliencySettings &settings, bool silent, saliency::Time time)
+{
+  tactile::TactileMap map = silent ? tactile::TactileMap(settings.rows, settings.columns) : map_;
+  limiter_.limit(map, time, settings.cue_limits);
+  return map;
+}
+
 bool
-FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation orientation,
-                      const ReadFrame *read, GstBuffer *frame, saliency::Time time,
-                      saliency::Time duration)
+FilmAnalysis::analyze(const SaliencySettings &settings, const ReadFrame *read, GstBuffer *frame,
+                      saliency::Time time, saliency::Time duration)
 {
   make_analyzer(kind_of(settings));
   make_people(settings);
@@ -200,7 +217,7 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
       = settings.skip_unchanged && !settings.roi_weights && !people_ && !settings.attach_saliency;
   analyzer_->set_rest(may_rest ? how.floor : 0);
   saliency_.map.clear();
-  orientation_ = orientation;
+  map_orientation_ = orientation_;
   unchanged_ = false;
   std::optional<FrameMapping> mapping;
   if (read)
@@ -242,14 +259,14 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   else
     viewport_.reset();
   // The grid is that of the screen; saliency, regions and viewport are in the pixels of the frame.
-  const int rows = orientation.transposed ? settings.columns : settings.rows;
-  const int columns = orientation.transposed ? settings.rows : settings.columns;
+  const int rows = orientation_.transposed ? settings.columns : settings.rows;
+  const int columns = orientation_.transposed ? settings.rows : settings.columns;
   if (stored_map_.rows != rows || stored_map_.columns != columns)
     stored_map_ = tactile::TactileMap(rows, columns);
   tactile::map_saliency(view, how, stored_map_, viewport);
   if (settings.camera == CameraMode::gentle)
     camera_wave_.follow(way_of(found), time, stored_map_);
-  tactile::turn(stored_map_, orientation, map_);
+  tactile::turn(stored_map_, orientation_, map_);
   if (settings.attach_saliency)
     keep_saliency(view, how.floor);
   return true;

@@ -8,6 +8,7 @@
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
 #include "tactile/camera_wave.h"
+#include "tactile/cue_limiter.h"
 #include "tactile/density.h"
 #include "tactile/orientation.h"
 #include "tactile/picture_map.h"
@@ -17,7 +18,7 @@
 #include <optional>
 
 /// Analyzes a film's frames: saliency map, top-down weights, tactile map, turned as the picture is
-/// shown. Streaming thread only, or while it is stopped.
+/// shown, with limited cues. Streaming thread only, or while it is stopped.
 class FilmAnalysis
 {
 public:
@@ -35,20 +36,22 @@ public:
   /// reset(), and frees memory until the next frame.
   void stop();
 
+  /// How the picture is turned from the next frame on. A new orientation resets the cue limits, as
+  /// cells have moved. Returns whether it is new.
+  bool turn(tactile::Orientation orientation);
+
   /// Whether a frame of this time is due under max-rate: the first at or after each point of a
   /// regular grid, which begins anew after a jump in time. Always if the last map has another grid
   /// or other settings.
-  bool is_due(const SaliencySettings &settings, tactile::Orientation orientation,
-              saliency::Time time);
+  bool is_due(const SaliencySettings &settings, saliency::Time time);
 
   /// How often a frame of this size may be halved before analyze().
   int halvings(const SaliencySettings &settings, int width, int height);
 
   /// Analyzes a read frame with its metas. False if it cannot be read (`read` may be NULL); the map
   /// is silent then. Throws only where memory is out: std::bad_alloc, or OpenCV's exception.
-  bool analyze(const SaliencySettings &settings, tactile::Orientation orientation,
-               const ReadFrame *read, GstBuffer *frame, saliency::Time time,
-               saliency::Time duration);
+  bool analyze(const SaliencySettings &settings, const ReadFrame *read, GstBuffer *frame,
+               saliency::Time time, saliency::Time duration);
 
   /// Whether a late look for people is waited for, so that maps do not depend on the machine's
   /// speed; initially true.
@@ -71,11 +74,9 @@ public:
   {
     return unchanged_;
   }
-  /// The map of the last analysis, as on the screen.
-  const tactile::TactileMap &map() const
-  {
-    return map_;
-  }
+  /// The map of a frame, as on the screen: that of the last analysis, or a silent one, with limited
+  /// cues.
+  tactile::TactileMap map(const SaliencySettings &settings, bool silent, saliency::Time time);
   /// The saliency of the last analysis, if SaliencySettings::attach_saliency was set.
   const AttachedSaliency &saliency() const
   {
@@ -115,8 +116,10 @@ private:
   tactile::AdaptiveViewport viewport_;
   tactile::DensityControl density_;
   tactile::CameraWave camera_wave_;
-  tactile::Orientation orientation_; ///< of map_
-  tactile::TactileMap stored_map_;   ///< in the pixels of the frame
+  tactile::CueLimiter limiter_;
+  tactile::Orientation orientation_;     ///< of frames
+  tactile::Orientation map_orientation_; ///< of map_
+  tactile::TactileMap stored_map_;       ///< in the pixels of the frame
   tactile::TactileMap map_;
   AttachedSaliency saliency_;
   PeopleKind people_kind_;               ///< of people_

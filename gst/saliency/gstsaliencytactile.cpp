@@ -67,7 +67,6 @@
 #include "gst/video/writable_frame.h"
 #include "saliencysettings.h"
 #include "saliencystatistics.h"
-#include "tactile/cue_limiter.h"
 
 #include <gst/tactile/tactile.h>
 
@@ -101,8 +100,6 @@ struct GstSaliencyTactilePrivate
   FrameReader reader;
   FilmAnalysis analysis;
   OrientationTags tags;
-  tactile::Orientation orientation; ///< of the last frame
-  tactile::CueLimiter limiter;
   FrameTimes times;
   guint rows = 0; ///< of the grid that downstream prefers
   guint columns = 0;
@@ -137,29 +134,16 @@ static GstStaticPadTemplate src_template
 
 /* ---- frames (streaming thread) ---- */
 
-/// Forgets the history, as the next frame does not follow the last one.
-static void
-gst_saliency_tactile_forget(GstSaliencyTactile *self)
-{
-  GstSaliencyTactilePrivate *priv = self->priv;
-  priv->analysis.forget();
-  priv->limiter.reset();
-}
-
-/// Updates the orientation. A new one resets the cue limits, as cells have moved.
 static void
 gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &settings)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
   const tactile::Orientation orientation = orientation_of(settings.video_direction, priv->tags);
-  if (orientation == priv->orientation)
-    return;
-  GST_INFO_OBJECT(self, "the grid is %s, rows %s, columns %s",
-                  orientation.transposed ? "transposed" : "not transposed",
-                  orientation.mirrored_rows ? "mirrored" : "as stored",
-                  orientation.mirrored_columns ? "mirrored" : "as stored");
-  priv->orientation = orientation;
-  priv->limiter.reset();
+  if (priv->analysis.turn(orientation))
+    GST_INFO_OBJECT(self, "the grid is %s, rows %s, columns %s",
+                    orientation.transposed ? "transposed" : "not transposed",
+                    orientation.mirrored_rows ? "mirrored" : "as stored",
+                    orientation.mirrored_columns ? "mirrored" : "as stored");
 }
 
 /// Analyzes a frame. Throws if memory is out (see FilmAnalysis).
@@ -179,20 +163,19 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
   const int halvings
       = width > 0 && height > 0 ? priv->analysis.halvings(settings, width, height) : 0;
   const std::optional<ReadFrame> frame = priv->reader.read(buffer, halvings);
-  const bool read = priv->analysis.analyze(settings, priv->orientation, frame ? &*frame : nullptr,
-                                           buffer, time, duration);
+  const bool read
+      = priv->analysis.analyze(settings, frame ? &*frame : nullptr, buffer, time, duration);
   const std::string no_people = priv->analysis.people_failure();
   if (!no_people.empty() && !std::exchange(priv->warned_people, true))
-    GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
-                        ("There is no look for people: %s.", no_people.c_str()),
-                        ("the film is felt without it; where something is missing, install "
-                         "OpenCV's object detection and its data, in Debian "
-                         "gstreamer1.0-visuotactile-people and opencv-data"));
+    GST_ELEMENT_WARNING(
+        self, RESOURCE, NOT_FOUND, ("Faces are not detected: %s.", no_people.c_str()),
+        ("the film plays without detection; if something is missing, install OpenCV's object "
+         "detection and its data, in Debian gstreamer1.0-visuotactile-people and opencv-data"));
   if (read || std::exchange(priv->warned_map, true))
     return;
   g_autoptr(GstCaps) caps = gst_pad_get_current_caps(GST_BASE_TRANSFORM_SINK_PAD(self));
   GST_ELEMENT_WARNING(self, RESOURCE, READ,
-                      ("Frames cannot be read: they pass as they are, and are felt as nothing."),
+                      ("Frames cannot be read: they pass unchanged, with empty tactile maps."),
                       ("expected memory that can be mapped, or an element that shrinks it "
                        "(vapostproc), got %" GST_PTR_FORMAT,
                        caps));
@@ -267,7 +250,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
 
   // In reverse playback sources and decoders mark frames that do follow each other in this order.
   if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
-    gst_saliency_tactile_forget(self);
+    priv->analysis.forget();
 
   if (const GstTactileMeta *own = gst_buffer_get_tactile_meta(buffer); own && settings.keep_maps) {
     gst_saliency_tactile_count(self, { own->levels, std::size_t{ own->rows } * own->columns }, {},
@@ -291,7 +274,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;
   bool unchanged = false;
-  if (is_whole && priv->analysis.is_due(settings, priv->orientation, time)) {
+  if (is_whole && priv->analysis.is_due(settings, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyze(self, settings, buffer, time, duration);
@@ -306,9 +289,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  tactile::TactileMap felt
-      = is_whole ? priv->analysis.map() : tactile::TactileMap(settings.rows, settings.columns);
-  priv->limiter.limit(felt, time, settings.cue_limits);
+  const tactile::TactileMap felt = priv->analysis.map(settings, !is_whole, time);
   GstTactileMeta *added = gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
                                                       static_cast<guint>(felt.columns),
                                                       felt.levels.data(), felt.levels.size());
@@ -347,7 +328,6 @@ gst_saliency_tactile_reset(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
   priv->analysis.reset();
-  priv->limiter.reset();
   priv->times.reset();
 }
 
@@ -505,7 +485,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
 
   gst_element_class_set_static_metadata(
       element_class, "Saliency to touch", "Filter/Analyzer/Video",
-      "Finds what draws the eye and adds it to each frame as a tactile map (GstTactileMeta)",
+      "Detects the events that draw the eye and adds a tactile map (GstTactileMeta) to each frame",
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);

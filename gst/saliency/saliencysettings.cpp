@@ -32,19 +32,6 @@ viewport_type()
   return type;
 }
 
-GType
-camera_type()
-{
-  static const GEnumValue values[] = {
-    { static_cast<gint>(CameraMode::off), "Nothing", "off" },
-    { static_cast<gint>(CameraMode::gentle),
-      "A soft wave in the direction of travel, while no event is felt", "gentle" },
-    { 0, nullptr, nullptr },
-  };
-  static const GType type = properties::register_enum("GstSaliencyTactileCamera", values);
-  return type;
-}
-
 std::optional<std::string>
 write_weights(const SaliencySettings &settings)
 {
@@ -83,11 +70,11 @@ constexpr P kProperties[] = {
   P::flag("temporal", "Analyze changes in time instead of still pictures", kControllable,
           PROPERTY_FIELD(temporal)),
   P::number<gdouble>("threshold",
-                     "Share of the frame's strongest cell (profile=paper: pixel) up to which "
-                     "others are silent",
+                     "Cells up to this share of the frame's strongest cell are silent "
+                     "(profile=paper: pixels, of the strongest pixel)",
                      kControllable, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }),
   P::number<gdouble>("center-weight",
-                     "How much the picture's center counts more than its corners (-1 = the "
+                     "Weight of the picture's center above that of its corners (-1 = the "
                      "profile's: 0.4, with temporal=false 0.7, with profile=paper 0)",
                      kControllable, PROPERTY_FIELD(center_weight),
                      P::Range{ SaliencySettings::kProfiles, 1 }),
@@ -95,53 +82,51 @@ constexpr P kProperties[] = {
       "floor", "Event contrast in CIE Delta E up to which a frame is silent (-1 = the profile's)",
       kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfiles, 1000 }),
   P::number<gdouble>("sensitivity",
-                     "Factor on event contrast, for the floor and for the strength (profile=paper "
-                     "has neither: no effect without floor)",
+                     "Factor on event contrast, for the floor and for the strength (profile=paper: "
+                     "no effect without floor)",
                      kControllable, PROPERTY_FIELD(sensitivity), P::Range{ 0.1, 10 }),
   P::number<gdouble>("density",
-                     "Share of the time that may be felt: the floor rises, up to ten times, until "
-                     "it holds (0 = any)",
+                     "Largest share of the time with vibration: the floor rises, up to tenfold, to "
+                     "keep it (0 = any)",
                      kControllable, PROPERTY_FIELD(density), P::Range{ 0, 1 }),
-  P::parsed<write_weights, read_weights>(
-      "roi-weights",
-      "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "
-      "* for others",
-      kPlaying),
-  P::choice("people", "Detect faces and prefer events in them; not with profile=paper", kPlaying,
+  P::parsed<write_weights, read_weights>("roi-weights",
+                                         "Factors on saliency inside GstVideoRegionOfInterestMeta, "
+                                         "0 to 10, as type=factor,...; type * is any other type",
+                                         kPlaying),
+  P::choice("people", "Detect faces and prefer events in them (profile=paper: no effect)", kPlaying,
             PROPERTY_FIELD(people), people_mode_type),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
-  P::choice("camera", "Effect of a camera that travels; nothing with profile=paper", kPlaying,
-            PROPERTY_FIELD(camera), camera_type),
+  P::choice("camera", "Effect of a traveling camera (profile=paper: none)", kPlaying,
+            PROPERTY_FIELD(camera), camera_mode_type),
   P::choice("video-direction",
-            "How the picture, and with it the grid, is turned on its way to the screen (auto: by "
-            "its tag)",
+            "Rotation of the picture, and with it of the grid, on the way to the screen (auto: by "
+            "the orientation tag)",
             kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type),
   P::number<guint64>("max-cue-duration",
-                     "Longest time in ns for which a cell is felt without a break (0 = unlimited)",
+                     "Longest time in ns for which a cell vibrates without a break (0 = unlimited)",
                      kPlaying, PROPERTY_FIELD(cue_limits.max_duration)),
-  P::number<guint64>("cue-refractory", "Time in ns after a cue in which its cell is not felt again",
+  P::number<guint64>("cue-refractory", "Time in ns for which a cell is silent after a cue",
                      kPlaying, PROPERTY_FIELD(cue_limits.refractory)),
-  P::flag("attach-saliency", "Add the saliency map too, as a GstSaliencyMeta", kPlaying,
+  P::flag("attach-saliency", "Also add the saliency map, as a GstSaliencyMeta", kPlaying,
           PROPERTY_FIELD(attach_saliency)),
   P::number<gdouble>("max-rate",
-                     "Frames to analyze per second; others repeat the last map (0 = all)", kPlaying,
-                     PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
-  P::flag(
-      "skip-unchanged",
-      "Analyze a fraction of the frames while nothing changes, and each from the first change on",
-      kPlaying, PROPERTY_FIELD(skip_unchanged)),
+                     "Frames to analyze per second; other frames repeat the last map (0 = all)",
+                     kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
+  P::flag("skip-unchanged", "Analyze only a fraction of the frames until the picture changes",
+          kPlaying, PROPERTY_FIELD(skip_unchanged)),
   P::flag("keep-maps", "Do not analyze frames that already have a map", kPlaying,
           PROPERTY_FIELD(keep_maps)),
   P::number<guint>("n-threads", "Threads that work on a frame, with the same result (0: one)",
                    kPlaying, PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
-  P::flag("exact", "Take every pixel's color: hardly better maps, several times the cost", kPlaying,
-          PROPERTY_FIELD(exact)),
-  P::stats("stats",
-           "Frames passed, analyzed, unchanged (skipped) and active (any level above 0); faces in "
-           "the last frame; times "
-           "of analyses and of looks for faces in ns; how frames are read (mapped, gl, element, "
-           "converted or none) and the bytes read of those that were shrunk"),
+  P::flag("exact",
+          "Convert the color of every pixel: several times the cost for hardly better maps",
+          kPlaying, PROPERTY_FIELD(exact)),
+  P::stats(
+      "stats",
+      "Frames passed, analyzed, unchanged (skipped) and active (any level above 0); faces in the "
+      "last frame; times of analyses and of face detections in ns; path of the frames (mapped, gl, "
+      "element, converted or none) and the bytes read from frames that were shrunk"),
 };
 
 } // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../cameramode.h"
 #include "../peoplemode.h"
 #include "../properties.h"
 #include "saliency/region_weights.h"
 #include "tactile/cue_limiter.h"
+#include "tactile/tactile_mapping.h"
 
 #include <gst/video/video.h>
 
@@ -15,13 +17,6 @@ enum class ProfileName
 {
   tuned,
   paper,
-};
-
-/// The effect of a camera that travels.
-enum class CameraMode
-{
-  off,
-  gentle,
 };
 
 enum class ViewportMode
@@ -40,7 +35,7 @@ struct SaliencySettings
   int columns = 3;
   bool has_grid = false; ///< rows or columns were set; else downstream may prefer others
   bool temporal = true;
-  double threshold = 0.5;
+  double threshold = tactile::MappingSettings().threshold;
   double center_weight = kProfiles;
   double floor = kProfiles;
   double sensitivity = 1;

@@ -268,7 +268,8 @@ read_caps(GstSoundTactile *self, GstEvent *event)
                   && priv->reader.set_format(info, static_cast<int>(priv->pads->rows()),
                                              static_cast<int>(priv->pads->columns()));
   if (!priv->is_read)
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Nothing of this sound is felt."),
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT,
+                        ("This sound is not felt: its channels or its rate are not supported."),
                         ("expected 1 to %d channels at %d to %d Hz, got %" GST_PTR_FORMAT
                          "; put audioconvert and audioresample before this element",
                          sound::kMaxSpeakers, sound::SoundAnalyzer::kLowestRate,
@@ -382,13 +383,13 @@ constexpr auto kDeprecated = static_cast<GParamFlags>(properties::kPlaying | G_P
 
 using P = properties::Property<Settings>;
 static constexpr P kProperties[] = {
-  P::number<guint>("maps-per-second", "Maps a second on the tactile pad", properties::kReady,
+  P::number<guint>("maps-per-second", "Maps per second on the tactile pad", properties::kReady,
                    PROPERTY_FIELD(maps_per_second), P::Range{ 10, 200 }),
-  P::number<gdouble>("gain", "Added to every sound before its level, in dB",
+  P::number<gdouble>("gain", "Gain in dB on the sound before its level is measured",
                      properties::kControllable, PROPERTY_FIELD(feel.gain_db), P::Range{ -40, 40 }),
   P::flag("impacts", "Whether impacts, explosions and shots are felt", properties::kPlaying,
           PROPERTY_FIELD(feel.impacts)),
-  P::flag("rumble", "Whether what goes on below 65 Hz is felt", properties::kPlaying,
+  P::flag("rumble", "Whether continuous sound below 65 Hz is felt", properties::kPlaying,
           PROPERTY_FIELD(feel.rumble)),
   P::flag("blows", "Deprecated, the former name of impacts", kDeprecated,
           PROPERTY_FIELD(feel.impacts)),
@@ -423,7 +424,7 @@ gst_sound_tactile_class_init(GstSoundTactileClass *klass)
   gst_element_class_add_static_pad_template(element_class, &tactile_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile sound analysis", "Filter/Analyzer/Audio",
-      "Passes audio through and makes tactile maps of its impacts and rumble, not of voices",
+      "Passes audio through and makes tactile maps of impacts and rumble, but not of voices",
       "The visuotactile authors");
 }
 

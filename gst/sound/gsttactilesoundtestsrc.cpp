@@ -221,9 +221,9 @@ gst_tactile_sound_test_src_create(GstPushSrc *src, GstBuffer **buffer)
 
 using P = properties::Property<SoundSettings>;
 static constexpr P kProperties[] = {
-  P::number<guint64>("seed", "Other sounds for each number", properties::kReady,
+  P::number<guint64>("seed", "Number of the sound: same seed, same sound", properties::kReady,
                      PROPERTY_FIELD(seed)),
-  P::number<gdouble>("seconds", "Length of what is made; silence follows", properties::kReady,
+  P::number<gdouble>("seconds", "Length of the sound in s; silence follows", properties::kReady,
                      PROPERTY_FIELD(seconds), P::Range{ 0, 3600 }),
   P::flag("impacts", "Impacts, one every 0.8 to 2 s", properties::kReady, PROPERTY_FIELD(impacts)),
   P::flag("explosions", "Explosions, one every 5 to 9 s", properties::kReady,
@@ -236,7 +236,7 @@ static constexpr P kProperties[] = {
                      properties::kReady, PROPERTY_FIELD(impacts_db), P::Range{ -90, 0 }),
   P::number<gdouble>("music-db", "Root mean square of the music, in dB of full scale",
                      properties::kReady, PROPERTY_FIELD(music_db), P::Range{ -90, 0 }),
-  P::flag("panned", "Sounds are at places of their own, else in the middle of the front",
+  P::flag("panned", "Each sound has its own place; otherwise all are at the center of the front",
           properties::kReady, PROPERTY_FIELD(panned)),
 };
 

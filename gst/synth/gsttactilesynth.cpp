@@ -180,7 +180,7 @@ play_map(GstTactileSynth *self, GstBuffer *buffer)
   TactorStream::Map map;
   const bool is_gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP);
   if (!is_gap && !priv->stream.read(buffer, map)) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
+    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map has the wrong size."),
                       ("expected %u x %u float32 levels, got %" G_GSIZE_FORMAT " bytes", rows,
                        columns, gst_buffer_get_size(buffer)));
     return GST_FLOW_ERROR;

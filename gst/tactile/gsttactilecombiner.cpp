@@ -478,19 +478,19 @@ mix_type(void)
 {
   static const GEnumValue values[] = {
     { static_cast<gint>(Mix::replace), "The track alone", tactile::name_of(Mix::replace) },
-    { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
+    { static_cast<gint>(Mix::max), "In each cell the stronger of the film's own map and the track",
       tactile::name_of(Mix::max) },
-    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1",
+    { static_cast<gint>(Mix::sum), "In each cell the sum of both, at most 1",
       tactile::name_of(Mix::sum) },
     { static_cast<gint>(Mix::gate),
-      "The track's strength at the place of the film's own map, the film's only while the track is "
-      "felt",
+      "The film's own map with the track's strength, so that both are silent while the track is; "
+      "the track where the film has no map",
       tactile::name_of(Mix::gate) },
     { static_cast<gint>(Mix::accent),
-      "The film's own map, with the track's strength while that is stronger; the track where the "
-      "film has none",
+      "The film's own map, with the track's strength while the track is stronger; the track where "
+      "the film has no map",
       tactile::name_of(Mix::accent) },
-    { static_cast<gint>(Mix::stress), "As accent, but silent where the film has no map of its own",
+    { static_cast<gint>(Mix::stress), "As accent, but silent where the film has no map",
       tactile::name_of(Mix::stress) },
     { 0, nullptr, nullptr },
   };
@@ -502,7 +502,7 @@ using P = properties::Property<CombinerSettings>;
 static constexpr P kProperties[] = {
   P::choice("mix", "Treatment of a map that a frame already has", properties::kPlaying,
             PROPERTY_FIELD(mix), mix_type),
-  P::number<gint64>("offset", "Time in ns by which the track is felt later; earlier if negative",
+  P::number<gint64>("offset", "Delay of the track in ns; negative: the track is earlier",
                     properties::kPlaying, PROPERTY_FIELD(offset),
                     P::Range{ -kMaxOffset, kMaxOffset }),
 };

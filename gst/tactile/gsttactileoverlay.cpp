@@ -237,16 +237,15 @@ gst_tactile_overlay_start(GstBaseTransform *transform)
 
 using P = properties::Property<OverlaySettings>;
 static constexpr P kProperties[] = {
-  P::choice("style", "Kind of drawing", properties::kControllable, PROPERTY_FIELD(style),
+  P::choice("style", "Kind of overlay", properties::kControllable, PROPERTY_FIELD(style),
             style_type),
-  P::number<gdouble>("opacity",
-                     "How much of the picture a full level covers in the styles grid and heatmap",
+  P::number<gdouble>("opacity", "Opacity of a full level in the styles grid and heatmap",
                      properties::kControllable, PROPERTY_FIELD(opacity), P::Range{ 0, 1 }),
-  P::flag("meter", "Draw how far the frame's strongest event is above the floor",
+  P::flag("meter", "Draw a bar with the frame's strongest event and a mark at the floor",
           properties::kControllable, PROPERTY_FIELD(meter)),
   P::choice("video-direction",
-            "How the picture is turned between here and the screen, on which the grid is upright "
-            "(auto: by its tag)",
+            "Rotation of the picture between this element and the screen, on which the grid is "
+            "upright (auto: by the orientation tag)",
             properties::kPlaying, PROPERTY_FIELD(video_direction),
             gst_video_orientation_method_get_type),
 };
@@ -283,8 +282,7 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile map overlay", "Filter/Effect/Video",
-      "Draws tactile maps or the saliency they come from into the picture",
-      "The visuotactile authors");
+      "Draws tactile maps, or their saliency maps, over the picture", "The visuotactile authors");
 }
 
 static void

@@ -351,18 +351,17 @@ gst_tactile_test_src_fill(GstPushSrc *source, GstBuffer *buffer)
 using P = properties::Property<TestSrcSettings>;
 using properties::kPlaying;
 static constexpr P kProperties[] = {
-  P::choice("pattern", "Which of the paper's two films", kPlaying, PROPERTY_FIELD(film.pattern),
-            pattern_type),
+  P::choice("pattern", "Film of the paper", kPlaying, PROPERTY_FIELD(film.pattern), pattern_type),
   P::number<guint>("seed", "Number of the film: same seed, same film", kPlaying,
                    PROPERTY_FIELD(film.seed)),
   P::number<gdouble>("noise", "Standard deviation of sensor noise on every sample, in 8-bit codes",
                      properties::kControllable, PROPERTY_FIELD(noise), P::Range{ 0, 32 }),
   P::number<gint>(
-      "balls", "Balls at a time (0 = as in the paper: one or two by chance, one in dynamic-motion)",
+      "balls", "Number of balls (0 = as in the paper: one or two at random, one in dynamic-motion)",
       kPlaying, PROPERTY_FIELD(film.balls), P::Range{ 0, 2 }),
   P::number<gdouble>("ball-size", "Diameter of a ball as a share of the picture's width", kPlaying,
                      PROPERTY_FIELD(film.ball_size), P::Range{ 0.01, 0.5 }),
-  P::flag("is-live", "Make each frame when its time has come, as a camera does", properties::kReady,
+  P::flag("is-live", "Make each frame at its time, as a camera does", properties::kReady,
           PROPERTY_FIELD(is_live)),
 };
 

@@ -85,7 +85,7 @@ TrackReader::read_map(GstAggregatorPad *pad, GstBuffer *buffer) const
   gsize count = 0;
   if (!has_grid() || !gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count)) {
     g_autoptr(GstElement) element = gst_pad_get_parent_element(GST_PAD(pad));
-    GST_ELEMENT_ERROR(element, STREAM, FORMAT, ("A tactile map of the wrong size came."),
+    GST_ELEMENT_ERROR(element, STREAM, FORMAT, ("A tactile map has the wrong size."),
                       ("expected %u x %u float32 levels, got %" G_GSIZE_FORMAT " bytes", rows,
                        columns, gst_buffer_get_size(buffer)));
     return std::nullopt;

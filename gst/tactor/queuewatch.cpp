@@ -163,7 +163,7 @@ look(GstClock *, GstClockTime time, GstClockID, gpointer data)
   if (looking->stuck == kLooks)
     GST_ELEMENT_WARNING(
         sink.get(), CORE, PAD,
-        ("The pipeline waits for ever: a queue is missing after '%s'.", where.c_str()),
+        ("The pipeline waits forever: a queue is missing after '%s'.", where.c_str()),
         ("For two seconds one of the sinks after '%s' has held its thread, and another has got "
          "nothing to begin with. Put a queue into each branch, as in %s. ! queue ! %s",
          where.c_str(), where.c_str(), GST_OBJECT_NAME(sink.get())));

@@ -101,14 +101,16 @@ tactor_post_line_load(GstElement *element, const TactorLineLoad &load, bool is_t
                         " tactors is %d bytes, %.1f ms on the line, %.1f times a second at most",
                         load.tactors, load.bytes, update / kMillisecond, GST_SECOND / update);
   if (!is_too_large) {
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("The chair is large for its line."),
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS,
+                     ("The chair has many motors for its serial line."),
                      ("%s; those that max-active lets change at once take %.1f ms, which does",
                       numbers, at_once / kMillisecond));
     return;
   }
   GST_ELEMENT_WARNING(
       element, RESOURCE, SETTINGS,
-      ("The chair is too large for its line: soft starts and quick changes have fewer steps."),
+      ("The chair is too large for its serial line: soft starts and quick changes have fewer "
+       "steps."),
       ("%s; those that max-active lets change at once take %.1f ms. Set max-active to "
        "%" G_GSIZE_FORMAT
        ", name fewer tactors in mapping, or take two boards, each with a tactorsink",

@@ -98,9 +98,7 @@ prepare_tactors(GstElement *element, const TactorSettings &settings)
     return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::settings,
                                                "device and trace-location are the same file, '"
                                                    + settings.device + "'; expected two" });
-  TactorOpening opening;
-  opening.settings = settings;
-  opening.planner = settings.planner;
+  TactorOpening opening{ .settings = settings };
   tl::expected<std::vector<tactor::MotorParameters>, tactor::DriverError> motors
       = read_motors(element, settings, opening.latency);
   if (!motors)
@@ -115,8 +113,8 @@ prepare_tactors(GstElement *element, const TactorSettings &settings)
   return opening;
 }
 
-tl::expected<TactorOutput, tactor::DriverError>
-open_tactors(GstElement *element, TactorOpening &opening,
+tl::expected<std::pair<OpenTactors, TactorOutput>, tactor::DriverError>
+open_tactors(GstElement *element, TactorOpening opening,
              std::function<void(const tactor::DriverEvent &)> notify, std::stop_token stop)
 {
   const TactorSettings &settings = opening.settings;
@@ -129,9 +127,8 @@ open_tactors(GstElement *element, TactorOpening &opening,
                                      .limits = settings.planner.limits,
                                      .stop = std::move(stop),
                                      .notify = std::move(notify) };
-  TactorOutput output;
-  output.driver = std::move(opening.driver);
-  const std::unique_ptr<tactor::OpeningTurn> turn = std::move(opening.turn);
+  TactorOutput output{ .driver = std::move(opening.driver) };
+  const std::unique_ptr<tactor::OpeningTurn> turn = std::move(opening.turn); // ends here
   turn->wait(config.stop);
   if (const tl::expected<void, tactor::DriverError> opened = output.driver->open(config); !opened)
     return tl::unexpected(opened.error());
@@ -147,15 +144,19 @@ open_tactors(GstElement *element, TactorOpening &opening,
     tactor::remember_device({ .driver = settings.driver == "auto" ? "firmata" : settings.driver,
                               .device = settings.device,
                               .board = board });
-  opening.tactors = output.driver->tactors();
-  opening.layout = output.driver->layout();
-  opening.account = output.driver->account();
-  opening.planner.transport_latency = output.driver->transport_latency();
-  opening.planner.line = output.driver->line();
-  check_line(element, opening.planner, *output.driver);
+  const tactor::Driver &driver = *output.driver;
+  tactor::PlannerSettings planner = settings.planner;
+  planner.transport_latency = driver.transport_latency();
+  planner.line = driver.line();
+  check_line(element, planner, driver);
   // A motor's latency was measured while the others did not change.
-  const Time of_motors = opening.latency + opening.planner.line.all();
-  opening.latency = std::max(of_motors, output.driver->longest_latency());
-  opening.live_latency = std::max(of_motors, live_latency(*output.driver));
-  return output;
+  const Time of_motors = opening.latency + planner.line.all();
+  OpenTactors tactors{ .planner = std::move(planner),
+                       .motors = std::move(opening.motors),
+                       .count = driver.tactors(),
+                       .layout = driver.layout(),
+                       .account = driver.account(),
+                       .latency = std::max(of_motors, driver.longest_latency()),
+                       .live_latency = std::max(of_motors, live_latency(driver)) };
+  return std::pair(std::move(tactors), std::move(output));
 }

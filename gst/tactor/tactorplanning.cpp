@@ -49,7 +49,7 @@ TactorPlanning::shown(GstBuffer *buffer, const GstSegment &segment, std::optiona
   const GstClockTime duration = GST_BUFFER_DURATION(buffer);
   if (stream_.is_untimed(segment, pts, duration) && !std::exchange(warned_untimed_, true))
     GST_ELEMENT_WARNING(element_, STREAM, FORMAT,
-                        ("The frames have no times: they are felt when they come."),
+                        ("The frames have no time stamps: they are felt when they arrive."),
                         ("expected timestamps, which do-timestamp=true gives those of a live "
                          "source, or a framerate in the caps, got neither"));
   // The element that wrote the maps of video frames posts the warning about those.
@@ -69,7 +69,7 @@ TactorPlanning::plan_map(GstBuffer *buffer, TactorStream::Span shown,
   TactorStream::Map map;
   const bool has_levels = stream_.read(buffer, map);
   if (!has_levels && stream_.is_map()) {
-    GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("A tactile map of the wrong size came."),
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("A tactile map has the wrong size."),
                       ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes",
                        stream_.rows(), stream_.columns(), stream_.rows() * stream_.columns() * 4u,
                        gst_buffer_get_size(buffer)));

@@ -29,9 +29,9 @@ TactorPlay::wait_until_open()
   const GstFlowReturn ret = session_.wait_until_open();
   if (ret != GST_FLOW_OK)
     return ret;
-  TactorOpening &opening = session_.opening();
-  planning_.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors),
-                  opening.account);
+  OpenTactors &tactors = session_.tactors();
+  planning_.start(tactors.planner, tactors.count, tactors.layout, std::move(tactors.motors),
+                  tactors.account);
   plans_ = true;
   return GST_FLOW_OK;
 }
@@ -55,7 +55,7 @@ TactorPlay::play_map(GstBuffer *buffer, tactor::PlannerSettings settings)
   if ((is_timed && session_.is_missed(shown))
       || !planning_.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), now))
     return GST_FLOW_OK;
-  settings.transport_latency = std::min(scheduler_.transport_latency(), session_.opening().latency);
+  settings.transport_latency = std::min(scheduler_.transport_latency(), session_.tactors().latency);
   const std::optional<TactorPlanning::Plan> plan
       = planning_.plan_map(buffer, shown, std::move(settings));
   if (!plan)

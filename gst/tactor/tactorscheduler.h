@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/command_trace.h"
+#include "tactor/driver.h"
 #include "tactor/priority_mutex.h"
 #include "tactor/realtime/scheduling.h"
 #include "tactor/thread.h"
 #include "tactoractuation.h"
-#include "tactoroutput.h"
 #include "tactortiming.h"
 
 #include <tl/expected.hpp>
@@ -19,6 +20,13 @@
 #include <span>
 #include <stop_token>
 #include <string>
+
+/// The driver and trace of a play.
+struct TactorOutput
+{
+  std::unique_ptr<tactor::Driver> driver;      ///< open
+  std::unique_ptr<tactor::CommandTrace> trace; ///< may be null
+};
 
 /// The thread that opens a board, issues commands when they are due, and alone uses the driver.
 ///

@@ -5,6 +5,7 @@
 #include "tactormessages.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 using tactor::Time;
@@ -22,11 +23,9 @@ constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 
 /// The render-delay for the longest latency on the way to a motor.
 GstClockTime
-lead_of(const TactorOpening &opening)
+lead_of(Time max_lead, Time latency)
 {
-  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin
-                     + std::max(-opening.settings.delay_time(), Time(0));
-  return static_cast<GstClockTime>(early.count());
+  return static_cast<GstClockTime>((max_lead + latency + kWakeMargin).count());
 }
 
 } // namespace
@@ -64,27 +63,29 @@ TactorSession::open(const TactorSettings &settings)
     tactor_post_open_error(element_, prepared.error());
     return false;
   }
-  opening_ = std::move(*prepared);
   last_lead_short_.reset();
+  early_ = std::max(-settings.delay_time(), Time(0));
   // The board's latency is not known yet; that of the last play may well hold.
   gst_base_sink_set_render_delay(
-      sink_, std::max(gst_base_sink_get_render_delay(sink_), lead_of(opening_)));
+      sink_, std::max(gst_base_sink_get_render_delay(sink_),
+                      lead_of(settings.planner.max_lead, prepared->latency + early_)));
   scheduler_.set_immediate(!gst_base_sink_get_sync(sink_));
-  const auto open_board = [this](std::stop_token stop) {
+  const auto open_board = [this, opening = std::make_shared<TactorOpening>(std::move(*prepared))](
+                              std::stop_token stop) {
     return open_tactors(
-               element_, opening_,
+               element_, std::move(*opening),
                [this](const tactor::DriverEvent &event) { device_event(event); }, std::move(stop))
-        .map([this](TactorOutput &&output) {
+        .map([this](std::pair<OpenTactors, TactorOutput> &&opened) {
+          tactors_ = std::move(opened.first);
           agree_on_lead();
           // A mapping is of the film's cells, not of the layout.
-          grid_.set(opening_.planner.mapping.empty() ? opening_.layout : tactor::Layout{});
-          return std::move(output);
+          grid_.set(tactors_->planner.mapping.empty() ? tactors_->layout : tactor::Layout{});
+          return std::move(opened.second);
         });
   };
-  if (const tl::expected<void, tactor::DriverError> started
+  const tl::expected<void, tactor::DriverError> started
       = scheduler_.start(open_board, settings.planner.volts_max, settings.realtime);
-      !started) {
-    opening_.turn.reset();
+  if (!started) {
     tactor_post_open_error(element_, started.error());
     return false;
   }
@@ -133,10 +134,10 @@ TactorSession::opening_time()
   return clock ? std::optional(gst_clock_get_time(clock)) : std::nullopt;
 }
 
-TactorOpening &
-TactorSession::opening()
+OpenTactors &
+TactorSession::tactors()
 {
-  return opening_;
+  return *tactors_;
 }
 
 bool
@@ -221,8 +222,9 @@ TactorSession::agree_on_lead()
 {
   const bool live = latency::is_live(GST_BASE_SINK_PAD(sink_));
   if (live)
-    opening_.latency = opening_.live_latency;
-  gst_base_sink_set_render_delay(sink_, lead_of(opening_));
+    tactors_->latency = tactors_->live_latency;
+  gst_base_sink_set_render_delay(sink_,
+                                 lead_of(tactors_->planner.max_lead, tactors_->latency + early_));
   return live;
 }
 

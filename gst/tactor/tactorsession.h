@@ -32,7 +32,7 @@ public:
   /// released meanwhile, as in the base class: pause, flush and stop need it.
   GstFlowReturn wait_until_open();
   /// Streaming thread only, when the board is open.
-  TactorOpening &opening();
+  OpenTactors &tactors();
   /// Whether a map of a live play was over before the board was open. If a map continues, `shown`
   /// becomes the rest. Always false from the first such map on, and where the board was open before
   /// the play began. Streaming thread only.
@@ -60,8 +60,8 @@ private:
 
   GstBaseSink *sink_;
   GstElement *element_; ///< the sink
-  /// Used by the scheduler's thread until the board is open, then by the streaming thread.
-  TactorOpening opening_;
+  /// Set by the scheduler's thread when the board is open, then used by the streaming thread.
+  std::optional<OpenTactors> tactors_;
   /// Clock time at which the board became open; in a live play until a frame is shown.
   std::optional<GstClockTime> opened_;
   // The timing as read last, by any thread.
@@ -72,6 +72,7 @@ private:
   mutable TactorTiming timing_{ nullptr, 0 };
   mutable GstClockTimeDiff delay_ = 0; ///< latency + ts-offset + the user's
   std::atomic<GstClockTimeDiff> users_delay_{ 0 };
+  tactor::Time early_{ 0 }; ///< a negative delay, as it was at the start
   TactorGrid grid_;
   std::optional<tactor::Time> last_lead_short_; ///< streaming thread only
   TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first

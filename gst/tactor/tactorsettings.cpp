@@ -13,10 +13,10 @@ compensation_type()
 {
   static const GEnumValue values[] = {
     { static_cast<gint>(tactor::Compensation::exact),
-      "Issued exactly one rise time before the frame", "exact" },
+      "Commands are issued exactly one rise time before the frame", "exact" },
     { static_cast<gint>(tactor::Compensation::frame_block),
       "Rise time rounded up to whole frames (Kim et al. 2012)", "frame-block" },
-    { static_cast<gint>(tactor::Compensation::none), "Issued with the frame", "none" },
+    { static_cast<gint>(tactor::Compensation::none), "Commands are issued with the frame", "none" },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstTactorCompensation", values);
@@ -46,28 +46,28 @@ using properties::kPlaying;
 using properties::kReady;
 
 constexpr P kProperties[] = {
-  P::text("driver",
-          "Driver: auto (firmata if a board is there, else simulator), firmata (any "
-          "board with StandardFirmata), seat (one with the watchdog firmware), gamepad (rumble "
-          "motors), bhaptics (a vest), intiface (a device that is named), simulator (no hardware)",
-          kReady, PROPERTY_FIELD(driver)),
   P::text(
-      "device",
-      "Board, by serial number or bus path (unset: the first that answers); gamepad, by path or "
-      "name; vest-back, vest or another part of a suit; device of Intiface, by name; the last two "
-      "maybe with @HOST; for the simulator, a CSV file for the predicted amplitudes",
-      kReady, PROPERTY_FIELD(device)),
-  P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
+      "driver",
+      "Driver: auto (firmata if a board is connected, else simulator), firmata (a board with "
+      "StandardFirmata), seat (a board with the watchdog firmware), gamepad (rumble motors), "
+      "bhaptics (a vest), intiface (the device in the property device), simulator (no hardware)",
+      kReady, PROPERTY_FIELD(driver)),
+  P::text("device",
+          "Board: serial number or bus path (unset: the first board that answers); gamepad: path "
+          "or name; bhaptics: vest-back, vest or another part of a suit; intiface: name; these two "
+          "also with @HOST; simulator: CSV file for the predicted amplitudes",
+          kReady, PROPERTY_FIELD(device)),
+  P::number<gdouble>("rate", "Rate in Hz at which tactors may change (0 = with every map)",
                      kPlaying, PROPERTY_FIELD(planner.rate), P::Range{ 0, 1000 }),
-  P::choice("compensation", "How commands are moved ahead by the motors' rise time", kPlaying,
+  P::choice("compensation", "Compensation of the motors' rise time", kPlaying,
             PROPERTY_FIELD(planner.compensation), compensation_type),
   P::number<guint64>("max-lead",
                      "Longest time in ns by which a command is issued before its frame; all other "
-                     "sinks are delayed by it",
+                     "sinks are delayed by this time",
                      kReady, PROPERTY_FIELD(planner.max_lead), P::Range{ 0, GST_SECOND }),
   P::number<gdouble>("voltage-max", "Volts at the motor for level 1.0", kReady,
                      PROPERTY_FIELD(planner.volts_max), P::Range{ 0.1, 24 }),
-  P::number<gdouble>("voltage-min", "Volts below which 0 is sent, as the motor would not start",
+  P::number<gdouble>("voltage-min", "Volts below which a motor does not start, so that 0 is sent",
                      kPlaying, PROPERTY_FIELD(planner.volts_min), P::Range{ 0, 24 }),
   P::number<gdouble>("intensity",
                      "Factor on all levels, from the next map on; 0: all motors at zero, at once",
@@ -84,10 +84,12 @@ constexpr P kProperties[] = {
   P::number<guint64>("max-on-time",
                      "Longest time in ns for which a tactor is on without a break (0 = unlimited)",
                      kPlaying, PROPERTY_FIELD(planner.limits.max_on_time)),
-  P::number<gdouble>("max-duty", "Share of any 60 s for which a tactor is on (0 = unlimited)",
-                     kPlaying, PROPERTY_FIELD(planner.limits.max_duty), P::Range{ 0, 1 }),
-  P::number<guint>("max-active", "Most tactors on at once, the strongest (0 = unlimited)", kPlaying,
-                   PROPERTY_FIELD(planner.limits.max_active),
+  P::number<gdouble>("max-duty",
+                     "Largest share of any 60 s for which a tactor is on (0 = unlimited)", kPlaying,
+                     PROPERTY_FIELD(planner.limits.max_duty), P::Range{ 0, 1 }),
+  P::number<guint>("max-active",
+                   "Largest number of tactors on at once; the strongest play (0 = unlimited)",
+                   kPlaying, PROPERTY_FIELD(planner.limits.max_active),
                    P::Range{ 0, TactorSettings::kMaxTactors }),
   P::number<guint64>(
       "ramp-in",
@@ -102,17 +104,17 @@ constexpr P kProperties[] = {
           "strength (unset: the paper's)",
           kReady, PROPERTY_FIELD(calibration)),
   P::text("trace-location",
-          "CSV file for a line per command: issued_ns,due_ns,effect_ns,tactor,volts", kReady,
-          PROPERTY_FIELD(trace_location)),
+          "CSV file to write, one line per command: issued_ns,due_ns,effect_ns,tactor,volts",
+          kReady, PROPERTY_FIELD(trace_location)),
   P::flag("realtime",
-          "Run the threads that bring commands to the motors at real-time priority, where allowed",
+          "Run the threads that bring commands to the motors at real-time priority, if allowed",
           kReady, PROPERTY_FIELD(realtime)),
   P::flag("guardian",
-          "Run a process that stops the motors if this one is killed or crashes, where the board "
-          "has no watchdog",
+          "Run a process that stops the motors if this one is killed or crashes, unless the board "
+          "has a watchdog",
           kReady, PROPERTY_FIELD(guardian)),
   P::stats("actuation-stats",
-           "Commands, schedule errors in ns, cues that limits cut, and the board"),
+           "Numbers of commands, schedule errors in ns, cues that the limits cut, and the board"),
 };
 
 } // namespace

@@ -443,7 +443,8 @@ gst_visuotactile_decoder_class_init(GstVisuotactileDecoderClass *klass)
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(
       element_class, "Visuotactile decoder", "Codec/Decoder/Video",
-      "Decodes a film and plays on motors what draws the eye in it", "The visuotactile authors");
+      "Decodes a film and plays the events that draw the eye on motors",
+      "The visuotactile authors");
 }
 
 /// The branch that is felt. It has none if a plugin is missing, and opening fails.

@@ -12,7 +12,7 @@
  *   they disable the chair, the element only shows the film.
  * - Picture and sound are delayed by `max-lead` and 10 ms.
  * - If the tactors fail, the film plays on, with a warning; the next start tries again. If no
- *   video sink works, the film is felt and not shown.
+ *   video sink works, the film is felt, but not shown.
  * - Frames that already have a map keep it. Frames in a GPU's memory stay there: see
  *   [saliencytactile](saliencytactile.md). Unreadable frames are shown and not felt.
  * - The analysis has its own thread.
@@ -139,7 +139,7 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
   GstElement *chosen = choose_video_sink("video-sink", errors);
   if (chosen == nullptr) {
     GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
-                        ("No video sink can be used: the film is felt and not shown."),
+                        ("No video sink can be used: the film is felt, but not shown."),
                         ("%s", errors->len > 0 ? errors->str : "no video sink has a rank"));
     chosen = gst_element_factory_make("fakesink", "video-sink");
     g_object_set(chosen, "sync", TRUE, nullptr);
@@ -334,9 +334,9 @@ gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_change_state);
   GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_handle_message);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_element_class_set_static_metadata(element_class, "Visuotactile sink", "Sink/Video",
-                                        "Shows a film and plays on motors what draws the eye in it",
-                                        "The visuotactile authors");
+  gst_element_class_set_static_metadata(
+      element_class, "Visuotactile sink", "Sink/Video",
+      "Shows a film and plays the events that draw the eye on motors", "The visuotactile authors");
 }
 
 /// Creates the children. If one is missing there are none, and opening fails.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkproperties.h"
 
+#include "../cameramode.h"
 #include "../peoplemode.h"
 #include "../properties.h"
 #include "../soundmode.h"
@@ -42,6 +43,7 @@ struct Defaults
   std::string unset;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   PeopleMode people = PeopleMode::off;
+  CameraMode camera = CameraMode::off;
   SoundMode sound = SoundMode::film;
 };
 
@@ -97,52 +99,57 @@ constexpr Entry kEntries[] = {
     P::number<guint>("columns", "Columns of the tactile map (unset: those of the device, or 3)",
                      kPlaying, PROPERTY_FIELD(side), P::Range{ 1, 64 }) },
   { Owner::analysis,
-    P::number<gdouble>("threshold", "Share of the strongest cell up to which others are silent",
-                       kPlaying, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }) },
+    P::number<gdouble>("threshold",
+                       "Cells up to this share of the frame's strongest cell are silent", kPlaying,
+                       PROPERTY_FIELD(threshold), P::Range{ 0, 1 }) },
   { Owner::analysis,
     P::number<gdouble>("floor", "Event contrast up to which a frame is silent (-1 = the profile's)",
                        kPlaying, PROPERTY_FIELD(floor), P::Range{ -1, 1000 }) },
   { Owner::analysis, P::number<gdouble>("sensitivity", "Factor on event contrast", kPlaying,
                                         PROPERTY_FIELD(sensitivity), P::Range{ 0.1, 10 }) },
-  { Owner::analysis, P::number<gdouble>("density", "Share of the time that may be felt (0 = any)",
-                                        kPlaying, PROPERTY_FIELD(density), P::Range{ 0, 1 }) },
   { Owner::analysis,
-    P::text("roi-weights", "Factors on saliency inside GstVideoRegionOfInterestMeta, by type",
+    P::number<gdouble>("density", "Largest share of the time with vibration (0 = any)", kPlaying,
+                       PROPERTY_FIELD(density), P::Range{ 0, 1 }) },
+  { Owner::analysis,
+    P::text("roi-weights",
+            "Factors on saliency inside GstVideoRegionOfInterestMeta, 0 to 10, as type=factor,...",
             kPlaying, PROPERTY_FIELD(unset)) },
   { Owner::analysis, P::choice("people", "Detect faces and prefer events in them", kPlaying,
                                PROPERTY_FIELD(people), people_mode_type) },
+  { Owner::analysis, P::choice("camera", "Effect of a traveling camera", kPlaying,
+                               PROPERTY_FIELD(camera), camera_mode_type) },
   { Owner::analysis, P::number<gdouble>("max-rate", "Frames to analyze per second (0 = all)",
                                         kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
   { Owner::analysis,
-    P::flag("skip-unchanged", "Analyze a fraction of the frames while nothing changes", kPlaying,
-            PROPERTY_FIELD(yes)) },
-  { Owner::joins, P::choice("sound", "Profile of the sound of a soundtactile in the same pipeline",
+    P::flag("skip-unchanged", "Analyze only a fraction of the frames until the picture changes",
+            kPlaying, PROPERTY_FIELD(yes)) },
+  { Owner::joins, P::choice("sound", "Profile of the sound, if the pipeline has a soundtactile",
                             kPlaying, PROPERTY_FIELD(sound), sound_mode_type) },
   { Owner::seen,
     P::choice("video-direction",
-              "How the picture is turned, and the grid with it (auto: by its tag)", kPlaying,
+              "Rotation of the picture and of the grid (auto: by the orientation tag)", kPlaying,
               PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type) },
   { Owner::tactors,
     P::text("driver", "Driver: auto, firmata, seat, gamepad, bhaptics, intiface, simulator", kReady,
             PROPERTY_FIELD(driver)) },
   { Owner::tactors,
-    P::text("device", "Board, by serial number or bus path", kReady, PROPERTY_FIELD(unset)) },
+    P::text("device", "Device of the driver, as in tactorsink", kReady, PROPERTY_FIELD(unset)) },
   { Owner::tactors,
-    P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
+    P::number<gdouble>("rate", "Rate in Hz at which tactors may change (0 = with every map)",
                        kPlaying, PROPERTY_FIELD(rate), P::Range{ 0, 1000 }) },
   { Owner::tactors, P::number<gdouble>("intensity", "Factor on all levels", kPlaying,
                                        PROPERTY_FIELD(intensity), P::Range{ 0, 1 }) },
   { Owner::tactors, P::flag("mute", "All motors at zero, at once", kPlaying, PROPERTY_FIELD(no)) },
   { Owner::tactors,
     P::number<guint64>("max-lead",
-                       "Longest time in ns by which a command is issued before its frame; delays "
-                       "the whole pipeline",
+                       "Longest time in ns by which a command is issued before its frame; the "
+                       "whole pipeline is delayed by this time",
                        kReady, PROPERTY_FIELD(max_lead), P::Range{ 0, GST_SECOND }) },
   { Owner::tactors,
     P::parsed<write_empty, read_nothing>(
         "mapping", "Tactor of each cell, row by row, -1 for none, as in 2,1,0", kPlaying) },
-  { Owner::tactors,
-    P::text("trace-location", "CSV file for a line per command", kReady, PROPERTY_FIELD(unset)) },
+  { Owner::tactors, P::text("trace-location", "CSV file to write, one line per command", kReady,
+                            PROPERTY_FIELD(unset)) },
   { Owner::tactors, P::flag("realtime", "Real-time priority for the threads that drive motors",
                             kReady, PROPERTY_FIELD(yes)) },
   { Owner::tactors,

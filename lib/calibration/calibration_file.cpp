@@ -2,16 +2,15 @@
 #include "calibration/calibration.h"
 
 #include "files/regular_file.h"
+#include "text.h"
 
 #include <glib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <span>
 #include <string>
-#include <system_error>
 
 namespace tactor {
 
@@ -367,10 +366,8 @@ read_calibration(const std::string &path)
       continue;
     const Reader in(file.get(), path, *group, fault);
     const std::string name = *group + std::string_view(kTactorGroup).size();
-    int index = -1;
-    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), index);
-    if (bad == std::errc() && end == name.data() + name.size() && index >= 0
-        && index < kMostTactors)
+    const int index = visuotactile::read_number<int>(name).value_or(-1);
+    if (index >= 0 && index < kMostTactors)
       calibration.tactors[index] = read_tactor(in);
     else
       in.fail("", "expected a tactor's index, 0 to " + std::to_string(kMostTactors - 1));

@@ -2,16 +2,18 @@
 #include "chair/settings.h"
 
 #include "chair/settings_file.h"
+#include "text.h"
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdio>
 #include <optional>
 
 #include <glib.h>
 
 namespace chair {
+
+using visuotactile::read_number;
 
 namespace {
 
@@ -34,18 +36,6 @@ constexpr Key kKeys[] = {
 };
 
 constexpr unsigned kMostCells = 64;
-
-/// The whole text as a number.
-template <typename T>
-std::optional<T>
-parse(std::string_view text)
-{
-  T value{};
-  const auto [end, bad] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (bad != std::errc() || end != text.data() + text.size())
-    return std::nullopt;
-  return value;
-}
 
 bool
 is_choice(const Key &key, const std::string &value)
@@ -137,7 +127,7 @@ takes(const Key &key, const std::string &value)
   case Kind::flag:
     return value == "true" || value == "false";
   case Kind::number: {
-    const std::optional<double> number = parse<double>(value);
+    const std::optional<double> number = read_number<double>(value);
     return number && *number >= key.least && *number <= key.most;
   }
   case Kind::choice:
@@ -168,7 +158,7 @@ parse_grid(const std::string &value)
   if (cross == std::string::npos)
     return {};
   const auto side = [](std::string_view text) {
-    const std::optional<unsigned> cells = parse<unsigned>(text);
+    const std::optional<unsigned> cells = read_number<unsigned>(text);
     return cells && *cells <= kMostCells ? *cells : 0;
   };
   const Grid grid{ side(std::string_view(value).substr(0, cross)),

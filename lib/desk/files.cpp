@@ -2,9 +2,9 @@
 #include "desk/files.h"
 
 #include "files/replace.h"
+#include "text.h"
 
 #include <cerrno>
-#include <charconv>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
@@ -34,11 +34,10 @@ versions(const std::string &path)
     const std::string name = entry->path().filename().string();
     if (!name.starts_with(stem) || !name.ends_with('~') || name.size() <= stem.size())
       continue;
-    int number = 0;
-    const char *const end = name.data() + name.size() - 1;
-    const auto [stop, wrong] = std::from_chars(name.data() + stem.size(), end, number);
-    if (wrong == std::errc() && stop == end && number > 0 && number < 1'000'000'000)
-      numbers.push_back(number);
+    const auto number = visuotactile::read_number<int>(
+        std::string_view(name).substr(stem.size(), name.size() - 1 - stem.size()));
+    if (number && *number > 0 && *number < 1'000'000'000)
+      numbers.push_back(*number);
   }
   return numbers;
 }

@@ -11,15 +11,18 @@ namespace {
 using tactile::Mix;
 
 constexpr Profile kProfiles[] = {
-  { "film", "The picture, made stronger by impacts, and impacts that are not seen; no rumble",
+  { "film",
+    "Events of the picture, which impacts in the sound strengthen, and impacts without an event; "
+    "no rumble",
     Mix::accent, 0, true, false },
-  { "music", "The picture, and beside it impacts and rumble where they sound", Mix::max, 0, true,
-    true },
+  { "music", "Events of the picture, and impacts and rumble at the place of their sound", Mix::max,
+    0, true, true },
   { "dialogue-heavy",
-    "The picture, made stronger by impacts, at 6 dB less; no sound without a picture", Mix::stress,
-    -6, true, false },
-  { "bass-shaker", "Impacts and rumble where they sound, at 6 dB more; no picture", Mix::replace, 6,
-    true, true },
+    "Events of the picture, which impacts at 6 dB less strengthen; no impacts without an event",
+    Mix::stress, -6, true, false },
+  { "bass-shaker",
+    "Impacts and rumble at the place of their sound, at 6 dB more; no events of the picture",
+    Mix::replace, 6, true, true },
 };
 
 } // namespace

@@ -146,6 +146,8 @@ Analyzer::State::forget()
 bool
 Analyzer::State::rests(const FrameView &frame, Time time, Time duration)
 {
+  if (rest_floor > 0 && profile.method == Method::events && !previous)
+    stillness.prepare(frame, levels.camera);
   if (!(rest_floor > 0) || profile.method != Method::events || !previous
       || std::max(events.change(), events.held()) > kQuiet || result.camera_moves || result.cut) {
     stillness.reset();

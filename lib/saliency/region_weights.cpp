@@ -1,35 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/region_weights.h"
 
+#include "text.h"
+
 #include <algorithm>
-#include <charconv>
 
 namespace saliency {
 
-namespace {
+using visuotactile::trimmed;
 
-std::string_view
-trimmed(std::string_view text)
-{
-  constexpr std::string_view kSpace = " \t\n";
-  const std::size_t begin = text.find_first_not_of(kSpace);
-  if (begin == std::string_view::npos)
-    return {};
-  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
-}
+namespace {
 
 using Error = tl::unexpected<std::string>;
 
 tl::expected<double, std::string>
 parse_weight(std::string_view text)
 {
-  double weight = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), weight);
-  // Also rejects NaN.
-  if (error != std::errc() || end != text.data() + text.size()
-      || !(weight >= 0 && weight <= RegionWeights::kMax))
+  const auto weight = visuotactile::read_number<double>(text);
+  if (!weight || !(*weight >= 0 && *weight <= RegionWeights::kMax)) // also rejects NaN
     return Error("expected a weight from 0 to 10, got '" + std::string(text) + "'");
-  return weight;
+  return *weight;
 }
 
 } // namespace

@@ -36,6 +36,17 @@ Stillness::operator()(const FrameView &frame, int level, double beyond)
 }
 
 void
+Stillness::prepare(const FrameView &frame, int level)
+{
+  keep(frame, level);
+  for (const cv::Mat1f &means : reference_) {
+    differences_.reserve(means.total() / kSampled + 1);
+    beyond_.reserve(static_cast<std::size_t>(means.cols / kGroup + 1));
+  }
+  reset();
+}
+
+void
 Stillness::keep(const FrameView &frame, int level)
 {
   known_ = false;

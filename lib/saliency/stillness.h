@@ -20,6 +20,9 @@ public:
   /// the new one. `level`: of the blocks; `beyond`: in ΔE.
   bool operator()(const FrameView &frame, int level, double beyond);
 
+  /// Allocates all that frames like this one need. There is no reference then.
+  void prepare(const FrameView &frame, int level);
+
   /// `frame` is the reference.
   void keep(const FrameView &frame, int level);
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "synth/carriers.h"
 
+#include "text.h"
+
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <system_error>
 #include <tuple>
 #include <utility>
 
 namespace synth {
+
+using visuotactile::trimmed;
 
 namespace {
 
@@ -25,16 +27,6 @@ constexpr std::array<std::string_view, 5> kNames
 
 /// Noise of neighbors is this many rounds apart: the golden section spreads any number of them.
 constexpr double kApart = 0.6180339887;
-
-std::string_view
-trimmed(std::string_view text)
-{
-  constexpr std::string_view kWhite = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kWhite);
-  return begin == std::string_view::npos
-             ? std::string_view()
-             : text.substr(begin, text.find_last_not_of(kWhite) - begin + 1);
-}
 
 std::string
 text_of(double value)
@@ -105,12 +97,8 @@ read_numbers(std::string_view text, double least, double most)
   return read_list<double>(
       text, text_of(least) + " to " + text_of(most) + " for each channel, with commas, as in 40,60",
       [&](std::string_view word) -> std::optional<double> {
-        double value = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || end != word.data() + word.size()
-            || !(value >= least && value <= most))
-          return std::nullopt;
-        return value;
+        const auto value = visuotactile::read_number<double>(word);
+        return value && *value >= least && *value <= most ? value : std::nullopt;
       });
 }
 

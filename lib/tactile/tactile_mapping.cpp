@@ -205,26 +205,15 @@ weigh_center(std::vector<double> &cells, int rows, int columns, const Viewport &
 MappingSettings
 MappingSettings::paper()
 {
-  return { .order = Order::threshold_first,
-           .floor = 0,
-           .threshold = 0.5,
-           .binary = true,
-           .prefilter_sigma = 1.0 / 3,
-           .gain = Gain::none,
-           .units_per_delta_e = 1 };
+  return {
+    .order = Order::threshold_first, .binary = true, .prefilter_sigma = 1.0 / 3, .gain = Gain::none
+  };
 }
 
 MappingSettings
 MappingSettings::tuned()
 {
-  return { .order = Order::pool_first,
-           .floor = 0.8,
-           .center_weight = 0.4,
-           .threshold = 0.5,
-           .binary = false,
-           .prefilter_sigma = 0,
-           .gain = Gain::relative,
-           .units_per_delta_e = 0.13 };
+  return { .floor = 0.8, .center_weight = 0.4, .gain = Gain::relative, .units_per_delta_e = 0.13 };
 }
 
 MappingSettings

@@ -1,23 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/mapping.h"
 
-#include <charconv>
+#include "text.h"
 
 namespace tactor {
 
-namespace {
-
-std::string_view
-trimmed(std::string_view text)
-{
-  constexpr std::string_view kWhite = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kWhite);
-  return begin == std::string_view::npos
-             ? std::string_view()
-             : text.substr(begin, text.find_last_not_of(kWhite) - begin + 1);
-}
-
-} // namespace
+using visuotactile::trimmed;
 
 tl::expected<std::vector<int>, DriverError>
 read_mapping(std::string_view text, int tactors)
@@ -29,16 +17,14 @@ read_mapping(std::string_view text, int tactors)
   while (!rest.empty() || !mapping.empty()) {
     const std::size_t comma = rest.find(',');
     const std::string_view word = trimmed(rest.substr(0, comma));
-    int tactor = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), tactor);
-    if (error != std::errc() || end != word.data() + word.size() || tactor < -1
-        || tactor >= tactors)
+    const auto tactor = visuotactile::read_number<int>(word);
+    if (!tactor || *tactor < -1 || *tactor >= tactors)
       return tl::unexpected(DriverError{
           DriverError::Kind::settings,
           "number " + std::to_string(mapping.size() + 1) + " is '" + std::string(word)
               + "'; expected a tactor for each cell, row by row, from 0 to "
               + std::to_string(tactors - 1) + ", or -1 for none, with commas, as in 2,1,0" });
-    mapping.push_back(tactor);
+    mapping.push_back(*tactor);
     if (comma == std::string_view::npos)
       break;
     rest = rest.substr(comma + 1);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/text_cue.h"
 
+#include "text.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -238,11 +240,10 @@ read_grid(std::string_view words, std::size_t line)
       header.grid = grid;
     } else if (word.starts_with("rate=")) {
       word.remove_prefix(5);
-      const auto [end, error]
-          = std::from_chars(word.data(), word.data() + word.size(), header.rate);
-      if (error != std::errc() || end != word.data() + word.size()
-          || !(header.rate >= 0 && header.rate <= 1000))
+      const auto rate = visuotactile::read_number<double>(word);
+      if (!rate || !(*rate >= 0 && *rate <= 1000))
         return wrong(line, "expected rate=HZ, 0 to 1000");
+      header.rate = *rate;
     }
   }
   return header;

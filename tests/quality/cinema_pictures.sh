@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Draws what a build feels in the films with labels: FILM-track-NAME.png, a lane for each tactor over time, with the labels behind;
-# FILM-moments-NAME.png, ten felt moments drawn at random (the same for one track).
+# FILM-moments-NAME.png, ten felt moments drawn at random (the same for one track); FILM-worst-NAME.png, the twenty worst moments.
 # Usage: tests/quality/cinema_pictures.sh BUILD CLIPS OUT NAME     BUILD: a build folder, also of another commit
 # DRAW: the program that draws; by default of this tree's folder build.
 set -euo pipefail
@@ -13,7 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 mkdir -p "$out"
-for labels in "$here"/labels/*.csv; do
+for labels in "$here"/labels/*.csv "$here"/labels/unseen/*.csv; do
   film=$(basename "$labels" .csv)
   file=$(find "$clips" -maxdepth 2 -name "$film.*" ! -name '*.csv' | sort | head -n 1)
   [[ $file ]] || continue # another set of films
@@ -21,4 +21,5 @@ for labels in "$here"/labels/*.csv; do
     "$build/tools/tactile-track" author -q --rate=0 "$file" -o "$work/$film, $name.csv"
   "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-track-$name.png"
   "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-moments-$name.png" "$file" || echo "$film: no moments"
+  "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-worst-$name.png" "$file" worst || echo "$film: nothing is wrong"
 done

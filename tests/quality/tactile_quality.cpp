@@ -314,7 +314,7 @@ report(const Options &options, const std::vector<std::string> &command)
       }
       section.table.write_markdown(
           sections,
-          options.markdown
+          options.markdown && options.csv
               ? file.lexically_proximate(std::filesystem::path(options.markdown).parent_path())
                     .generic_string()
               : file.generic_string());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Draws a track against the labels of its film: all of it over time, or moments in which it is
-// felt. tests/quality/cinema_pictures.sh makes the pictures of docs/measured.
+// Draws a track against the labels of its film: all of it over time, moments in which it is felt,
+// or its worst moments. tests/quality/cinema_pictures.sh makes the pictures of docs/measured.
 #include "decode.h"
 #include "labels.h"
 #include "random.h"
@@ -19,7 +19,10 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 using namespace quality;
 
@@ -157,6 +160,7 @@ draw_track(cairo_t *cairo, const tactile::Track &track, const std::vector<Label>
 // ---- moments ------------------------------------------------------------------------------------
 
 constexpr int kMoments = 10;
+constexpr std::size_t kWorst = 20;
 constexpr int kColumns = 5;
 constexpr int kPictureWidth = 224;
 constexpr int kTextLines = 4;
@@ -192,6 +196,61 @@ felt_moments(const tactile::Track &track)
   return moments;
 }
 
+std::size_t
+strongest_cell(const tactile::TactileMap &map)
+{
+  return static_cast<std::size_t>(std::ranges::max_element(map.levels) - map.levels.begin());
+}
+
+bool
+is_wrong(const Label &label, const tactile::TactileMap &map)
+{
+  return label.verdict == Verdict::quiet || !label.cells[strongest_cell(map)];
+}
+
+/// The half seconds of the labels in which the track is worst, in order: the mean level of wrong
+/// cells, and a level by the label's strength where it is to be felt and no right cell is.
+std::vector<Moment>
+worst_moments(const tactile::Track &track, const std::vector<Label> &labels)
+{
+  constexpr Time kHalf = std::chrono::milliseconds(500);
+  constexpr int kSamples = 10;
+  constexpr double kUsual = 2; ///< strength
+  std::vector<std::pair<double, Moment>> halves;
+  for (const Label &label : labels)
+    for (Time start = label.start; start < std::min(label.end, track.end()); start += kHalf) {
+      const Time step = (std::min({ label.end, track.end(), start + kHalf }) - start) / kSamples;
+      bool right = false;
+      double wrong = 0;
+      float most = 0;
+      Moment moment{ start + step * (kSamples / 2) };
+      for (int i = 0; i < kSamples; ++i) {
+        const tactile::TactileMap map = track.at(start + i * step);
+        const float level = std::ranges::max(map.levels);
+        if (level <= 0)
+          continue;
+        if (!is_wrong(label, map)) {
+          right = true;
+          continue;
+        }
+        wrong += static_cast<double>(level) / kSamples;
+        if (level > most)
+          moment.time = start + i * step;
+        most = std::max(most, level);
+      }
+      if (label.verdict == Verdict::felt && !right)
+        wrong += (label.strength > 0 ? label.strength : kUsual) / 3;
+      if (wrong > 0)
+        halves.emplace_back(wrong, moment);
+    }
+  std::ranges::stable_sort(halves, std::greater(), [](const auto &half) { return half.first; });
+  std::vector<Moment> moments;
+  for (std::size_t i = 0; i < std::min(kWorst, halves.size()); ++i)
+    moments.push_back(halves[i].second);
+  std::ranges::sort(moments, {}, &Moment::time);
+  return moments;
+}
+
 /// Fewer shades make a PNG of half the size.
 void
 take_picture(const cv::Mat &bgr, Moment &moment)
@@ -220,12 +279,10 @@ take_pictures(const std::string &film, std::vector<Moment> &moments)
 std::string
 judgment(const Label &label, const tactile::TactileMap &map)
 {
-  const auto strongest
-      = static_cast<std::size_t>(std::ranges::max_element(map.levels) - map.levels.begin());
-  if (label.verdict == Verdict::quiet)
-    return "wrong: nothing to be felt";
-  if (!label.cells[strongest])
-    return "wrong cell";
+  if (tactile::is_silent(map))
+    return label.verdict == Verdict::felt ? "missed" : "silent";
+  if (is_wrong(label, map))
+    return label.verdict == Verdict::quiet ? "wrong: nothing to be felt" : "wrong cell";
   return label.verdict == Verdict::felt ? "right" : "allowed";
 }
 
@@ -265,24 +322,23 @@ draw_moment(cairo_t *cairo, const Moment &moment, const tactile::TactileMap &map
 
 void
 draw_moments(const std::string &out, const tactile::Track &track, const std::vector<Label> &labels,
-             const std::string &film)
+             const std::string &film, std::vector<Moment> moments)
 {
-  std::vector<Moment> moments = felt_moments(track);
   if (moments.empty())
-    throw std::runtime_error(film + ": nothing is felt");
+    throw std::runtime_error(film + ": no such moment");
   take_pictures(film, moments);
   const double step_x = kPictureWidth + kMargin;
   const double step_y = moments[0].picture.rows + kTextLines * kLine + kMargin;
-  write_picture(out, kMargin + kColumns * step_x, kMargin + kMoments / kColumns * step_y, 1,
-                [&](cairo_t *cairo) {
-                  cairo_set_source_rgb(cairo, 1, 1, 1);
-                  cairo_paint(cairo);
-                  set_font(cairo);
-                  for (std::size_t i = 0; i < moments.size(); ++i)
-                    draw_moment(cairo, moments[i], track.at(moments[i].time), labels,
-                                kMargin + static_cast<double>(i % kColumns) * step_x,
-                                kMargin + static_cast<double>(i / kColumns) * step_y);
-                });
+  const auto rows = std::ceil(static_cast<double>(moments.size()) / kColumns);
+  write_picture(out, kMargin + kColumns * step_x, kMargin + rows * step_y, 1, [&](cairo_t *cairo) {
+    cairo_set_source_rgb(cairo, 1, 1, 1);
+    cairo_paint(cairo);
+    set_font(cairo);
+    for (std::size_t i = 0; i < moments.size(); ++i)
+      draw_moment(cairo, moments[i], track.at(moments[i].time), labels,
+                  kMargin + static_cast<double>(i % kColumns) * step_x,
+                  kMargin + static_cast<double>(i / kColumns) * step_y);
+  });
 }
 
 } // namespace
@@ -291,10 +347,12 @@ int
 main(int argc, char **argv)
 {
   gst_init(&argc, &argv);
-  if (argc != 4 && argc != 5) {
+  const bool worst = argc == 6 && std::string_view(argv[5]) == "worst";
+  if (argc != 4 && argc != 5 && !worst) {
     std::fprintf(stderr,
                  "usage: track_picture TRACK LABELS PICTURE          all of the track over time\n"
                  "       track_picture TRACK LABELS PICTURE FILM     ten felt moments\n"
+                 "       track_picture TRACK LABELS PICTURE FILM worst      the twenty worst\n"
                  "PICTURE ends in .png or .svg.\n");
     return 2;
   }
@@ -306,8 +364,9 @@ main(int argc, char **argv)
     const std::vector<Label> labels = read_labels(argv[2]);
     if (labels.empty())
       throw std::runtime_error(std::string(argv[2]) + ": no labels in it");
-    if (argc == 5)
-      draw_moments(argv[3], track, labels, argv[4]);
+    if (argc >= 5)
+      draw_moments(argv[3], track, labels, argv[4],
+                   worst ? worst_moments(track, labels) : felt_moments(track));
     else
       write_picture(argv[3], kWidth, kTop + kLane * kCells + 2 * kMargin, 1, [&](cairo_t *cairo) {
         draw_track(cairo, track, labels, std::filesystem::path(argv[1]).stem().string());

@@ -4,11 +4,13 @@
 
 Usage: clock.py EXAMPLES
 """
+import heapq
 import random
 import sys
 
 sys.path.insert(0, sys.argv[1])
 from theatre_clock import Offset  # noqa: E402
+from theatre_seats import GONE, MAGIC, MOST, REPORT, Line, Seats  # noqa: E402
 
 SECOND = 10**9
 BEGIN = 123456 * SECOND
@@ -59,6 +61,40 @@ def exponential(least, mean):
     return lambda chance: (least + chance.expovariate(1 / mean)) * 1e6
 
 
+def share(seats, answers, seconds=30, waiting=250):
+    """(s until all seats have settled, questions without an answer in all) of a server that answers one after the other, so many a second. So many may wait."""
+    chance = random.Random(1)
+    offsets = [Offset() for _ in range(seats)]
+    events = [(BEGIN + chance.uniform(0, SECOND), n, None) for n in range(seats)]  # time, seat, (asked, server's time): an answer
+    heapq.heapify(events)
+    fitted, settled = [0] * seats, {}
+    free, lost = 0, 0  # when the server has answered all
+    while events and len(settled) < seats:
+        now, n, answer = heapq.heappop(events)
+        offset = offsets[n]
+        if answer:
+            offset.add(round(answer[0]), round(answer[1] + AHEAD), round(now))
+            continue
+        if now > BEGIN + seconds * SECOND:
+            break
+        heapq.heappush(events, (now + offset.ask_again * SECOND, n, None))
+        arrived = now + chance.uniform(0.1, 0.3) * 1e6
+        if free - arrived < waiting * SECOND / answers:
+            free = max(free, arrived) + SECOND / answers
+            heapq.heappush(events, (free + chance.uniform(0.1, 0.3) * 1e6, n, (now, free)))
+        else:
+            lost += 1
+        if now - fitted[n] >= SECOND // 10:
+            fitted[n] = now
+            offset.fit(now)
+            if offset.settled:
+                settled.setdefault(n, (now - BEGIN) / SECOND)
+                reference, server = offset.server_time()
+                if abs(server - reference - AHEAD) > 20e6:
+                    return None, lost  # another time than the server's
+    return max(settled.values()) if len(settled) == seats else None, lost
+
+
 failed = 0
 
 
@@ -80,6 +116,10 @@ expect("0.1 to 20.1 ms, 80 ppm", worst(delay=uniform(0.1, 20), drift=lambda t: 8
 expect("0.1 to 20.1 ms, a rate that changes", worst(delay=uniform(0.1, 20), drift=lambda t: 20e-6 if t < 45 else -20e-6), 8.0, 1.5)
 expect("1 ms and exponential, 5 ms", worst(delay=exponential(1, 5)), 8.0, 1.0)
 expect("half of all lost", worst(delay=uniform(0.1, 20), loss=0.25), 16.0, 1.0)
+# At first, the seats together ask twelve times as often as the server can answer.
+together, lost = share(seats=60, answers=500)
+print(f"60 seats, 500 answers a second: all are settled after {together} s, {lost} questions without an answer")
+failed += together is None
 # It keeps its estimate in between.
 expect("no network for 20 s", worst(delay=uniform(0.1, 20), lost=(30, 50)), 8.0, 1.0)
 expect("no network for 70 s", worst(delay=uniform(0.1, 20), lost=(10, 80), seconds=95), 8.0, 1.0, 75.0)
@@ -108,4 +148,23 @@ for n in range(400):
     if not 0 <= reference < 2**63 or not 0 <= told < 2**63 or hostile.settled and abs(told - reference - AHEAD) > 1e5:
         print(f"FAILED: follows what is no time: {told} at {reference}")
         failed += 1
+# Reports of 300 seats: 7 play late, 2 have no clock, one leaves, and strangers send.
+seats = Seats()
+for second in range(0, 20, 2):
+    for n in range(300):
+        if n != 9 or second < 4:
+            seats.add(second, REPORT.pack(MAGIC, n, 5 + (second if n < 7 else 0), n not in (7, 8)))
+    for packet in (b"", b"seat", bytes(REPORT.size), REPORT.pack(b"taes", 1, 2**64 - 1, False), bytes(1000)):
+        seats.add(second, packet)
+    wanted = (299 if second - 2 >= GONE else 300, 2 if second == 0 else 9)
+    if seats.count(second) != wanted:
+        print(f"FAILED: {seats.count(second)} seats and late ones at {second} s, expected {wanted}")
+        failed += 1
+for n in range(2 * MOST):
+    seats.add(20, REPORT.pack(MAGIC, 1000 + n, 0, True))
+seats.add(20, REPORT.pack(MAGIC, 7, 0, False))
+if seats.count(20) != (MOST, 1) or seats.count(20 + GONE) != (0, 0):
+    print("FAILED: seats that a stranger makes up, or that have gone, are kept, or keep out others")
+    failed += 1
+Line("no-such-name.invalid", 5107).send(b"")
 sys.exit(failed > 0)

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The server of tactile-track desk as a page uses it: edits, journal, saves, kills, who writes, the film, exports, the chair."""
 
+import base64
 import contextlib
 import csv
+import hashlib
 import http.client
 import json
 import pathlib
@@ -347,8 +349,11 @@ def test_exports():
         assert "NOTE </script><b>" in (work / "exported.vtt").read_text()
         assert desk.get("export?format=exe").status == 400
         html = desk.get("export.html").body.decode()
-        assert html.count("</script>") == 1, html
-        data = json.loads(html.removeprefix('<script type="application/json">').removesuffix("</script>"))
+        hashes, style, text, script = re.fullmatch(r"(.*)<style>(.*)</style><script type=.application/json.>(.*)</script><script>(.*)</script>", html, re.S).groups()
+        assert (style, script) == ("p {}\n", "function part() {}\npart();\n"), html
+        assert hashes.split() == [f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'" for text in (script, style)]
+        assert "</script>" not in text, text
+        data = json.loads(text)
         assert data["film"] == {"name": "film.webm", "href": "film.webm"} and data["track"]["cues"][0]["notes"] == ["</script><b>"], data
 
 
@@ -587,7 +592,10 @@ def main():
     page = work / "page"
     page.mkdir()
     (page / "index.html").write_text("<!DOCTYPE html><title>x</title>")
-    (page / "export-template.html").write_text('<script type="application/json">@DATA@</script>')
+    (page / "film_page.html").write_text('@SCRIPT_HASH@ @STYLE_HASH@<style>@STYLE@</style><script type="application/json">@DATA@</script><script>@SCRIPT@</script>')
+    (page / "film_page.css").write_text("p {}\n")
+    (page / "film_page.js").write_text("import { part } from './part.js';\npart();\n")
+    (page / "part.js").write_text("export function part() {}\n")
     os.environ["VISUOTACTILE_DESK_PAGE"] = str(page)
     os.environ["XDG_CACHE_HOME"] = str(work / "usual cache")
     make_film(film)

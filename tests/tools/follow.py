@@ -74,8 +74,8 @@ class Stage:
 
 def refuses(stage):
     for words, said in ((["--driver=sofa"], "--driver is one of auto"), (["--intensity=2"], "--intensity is a number from 0 to 1"),
-                        (["--screen-latency=9000"], "--screen-latency is a number of ms"),
-                        (["--sound-latency=nan"], "--sound-latency is a number of ms"), (["--sync-to=smell"], "--sync-to is screen or sound, not 'smell'"), (["film.mkv"], "expected"), (["--mpv"], "Missing argument")):
+                        (["--screen-latency=9000"], "--screen-latency is a number from -5000 to 5000, got 9000"),
+                        (["--sound-latency=nan"], "--sound-latency is a number from -5000 to 5000, got nan"), (["--sync-to=smell"], "--sync-to is one of screen, sound, got 'smell'"), (["film.mkv"], "expected"), (["--mpv"], "Missing argument")):
         result = stage.run(*words)
         assert result.returncode == 2 and said in result.stderr, (words, result)
     alone = {"DBUS_SESSION_BUS_ADDRESS": "unix:path=/nowhere"}

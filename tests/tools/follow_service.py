@@ -231,7 +231,7 @@ def faulty():
         ask("--pass-over")
         follower.wait_for("plays 'faulty.mkv' with a draft")
         assert "fault:" not in ask("--status")
-        assert "no faulty track" in ask("--pass-over", status=1)
+        assert "no faulty track to skip" in ask("--pass-over", status=1)
         follower.end()
         mpv.quit()
         path.unlink()
@@ -272,7 +272,7 @@ def status():
     """By options, by D-Bus and by signals; remembered for each kind of player."""
     assert "no visuotactile-follow runs" in ask("--status", status=1)
     assert "no visuotactile-follow runs" in ask("--nudge=10", status=1)
-    assert "--nudge is a number of ms" in ask("--nudge=9000", status=2)
+    assert "--nudge is a number from -5000 to 5000, got 9000" in ask("--nudge=9000", status=2)
     film = make_film("status.mkv", 20, pattern=None)
     make_track(film.with_suffix(".csv"), 20)
     mpv = Mpv(film, "--loop")
@@ -360,12 +360,12 @@ def activation():
     service = bus.get_object(NAME, PATH)
     assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
     pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
-    # Without a player, it waits. On a slow computer it wakes up less often.
+    # Without a player, it wakes up less than once a second, on a slow computer more seldom.
     waits = lambda: sum(int(line.split()[1]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for line in open(task / "status", encoding="utf-8")
                         if line.startswith("voluntary_"))
     begin, before = time.monotonic(), waits()
-    wait_until("three seconds", lambda: time.monotonic() > begin + 3)
-    assert waits() - before < 5 * (time.monotonic() - begin), (before, waits())
+    wait_until("ten seconds", lambda: time.monotonic() > begin + 10)
+    assert waits() - before < time.monotonic() - begin + 2, (before, waits())
     os.kill(pid, signal.SIGTERM)
     wait_until("its end", lambda: not bus.name_has_owner(NAME))
     unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")

@@ -38,15 +38,15 @@ strange_names() {
   prints_pipeline "to a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g" "a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g.mkv" video
 }
 
-# --sensitivity, --density and --people are those of saliencytactile, and the overlay has a meter
+# --sensitivity, --density, --people and --camera are those of saliencytactile, and the overlay has a meter
 steered() {
-  play --print-pipeline --sensitivity 1.5 --density .25 --people fast "$work/silent.mkv"
+  play --print-pipeline --sensitivity 1.5 --density .25 --people fast --camera gentle "$work/silent.mkv"
   expect_status 0
-  expect_line out 'saliencytactile .*sensitivity=1\.5 density=0\.25 people=fast attach-saliency=true .*tactileoverlay .*meter=true'
-  play --sensitivity 1.5 --density .25 --people fast -o o "$work/silent.mkv"
+  expect_line out 'saliencytactile .*sensitivity=1\.5 density=0\.25 people=fast camera=gentle attach-saliency=true .*tactileoverlay .*meter=true'
+  play --sensitivity 1.5 --density .25 --people fast --camera gentle -o o "$work/silent.mkv"
   expect_all o 0.95 1.1 "160 120 video"
   play --print-pipeline "$work/silent.mkv"
-  ! grep -E 'sensitivity|density|people|meter' out || fail "not asked for"
+  ! grep -E 'sensitivity|density|people|camera|meter' out || fail "not asked for"
 }
 
 # --sound is what the profile says of soundtactile and tactilecombiner; without sound it is nothing

@@ -138,6 +138,7 @@ for value in -0.1 1.1 nan inf often; do
 done
 start profile refuses 2 "--profile.*--help" -o o --profile x "$work/film.mkv"
 start people refuses 2 "--people.*--help" -o o --people everyone "$work/film.mkv"
+start camera refuses 2 "--camera.*--help" -o o --camera hard "$work/film.mkv"
 start sound refuses 2 "--sound is one of off, film.*--help" -o o --sound loud "$work/film.mkv"
 start compensation refuses 2 "--compensation.*--help" -o o --compensation x "$work/film.mkv"
 start output_missing refuses 2 "--help" -o

@@ -26,6 +26,9 @@ struct AnalysisSettings
   int parts = 1;                          ///< that are analyzed by themselves
 };
 
+/// Profiles of the analysis.
+inline constexpr std::string_view kProfiles[] = { "tuned", "paper" };
+
 /// All that a track depends on but its film, in words: "grid=3x3 rate=5 profile=tuned sound=off
 /// version=0.1.0-2".
 std::string made_with(const AnalysisSettings &settings);

@@ -28,7 +28,7 @@ ChairOptions::entries()
         "Calibration file of tactor-calibrate", "FILE" },
       { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &intensity,
         "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
-      { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value, "Write all commands to a CSV file",
+      { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value, "Write all commands to this CSV file",
         "FILE" },
       {},
   } };
@@ -37,8 +37,7 @@ ChairOptions::entries()
 void
 ChairOptions::check(UserDefaults &defaults) const
 {
-  if (!(intensity >= 0 && intensity <= 1))
-    throw UsageError("--intensity is a number from 0 to 1");
+  expect_range("--intensity", intensity, 0, 1);
   defaults.keep_to_driver(driver.text());
 }
 

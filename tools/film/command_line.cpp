@@ -183,6 +183,28 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
   return arguments;
 }
 
+void
+expect_range(const char *option, double value, double least, double most)
+{
+  if (value >= least && value <= most)
+    return;
+  g_autofree gchar *text = g_strdup_printf("%s is a number from %.10g to %.10g, got %.10g", option,
+                                           least, most, value);
+  throw UsageError(text);
+}
+
+void
+expect_one_of(const char *option, std::string_view value, std::span<const std::string_view> known)
+{
+  if (std::ranges::find(known, value) != known.end())
+    return;
+  std::string names;
+  for (const std::string_view name : known)
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  throw UsageError(std::string(option) + " is one of " + names + ", got '" + std::string(value)
+                   + "'");
+}
+
 int
 run_commands(const char *program, std::span<const Command> commands, int argc, char **argv)
 {

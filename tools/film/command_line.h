@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// A wrong command line: exit status 2.
@@ -52,15 +53,13 @@ struct CommonOptions
 /// What a command takes.
 struct Usage
 {
-  static constexpr const char *kOverwritesAnyway = "No effect: existing files are always replaced";
-  static constexpr const char *kWritesNothing = "No effect: nothing is written";
   static constexpr const char *kOnlyErrors = "Print only errors";
 
   const char *arguments; ///< as in --help
   const char *summary;   ///< likewise, in lines of at most 80 columns
   std::size_t least;     ///< number of arguments
   std::size_t most;
-  const char *force_help = kOverwritesAnyway;
+  const char *force_help = "No effect in this command";
   const char *quiet_help = kOnlyErrors;
   const GOptionEntry *more = nullptr; ///< entries that several programs share, ended likewise
   gpointer callback_data = nullptr;   ///< for G_OPTION_ARG_CALLBACK
@@ -77,6 +76,13 @@ struct Help
 /// argv[0] is what to call: a program, or a program and its command. Throws UsageError or Help.
 std::vector<std::string> parse_options(int argc, char **argv, const GOptionEntry *entries,
                                        CommonOptions &common, const Usage &usage);
+
+/// Throws UsageError unless the value of an option is from `least` to `most`.
+void expect_range(const char *option, double value, double least, double most);
+
+/// Throws UsageError unless the value of an option is one of those known.
+void expect_one_of(const char *option, std::string_view value,
+                   std::span<const std::string_view> known);
 
 /// A command of a program.
 struct Command

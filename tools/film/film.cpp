@@ -32,9 +32,8 @@ to_uri(const std::string &path)
   if (std::filesystem::is_directory(path, error))
     throw std::runtime_error("'" + path + "' is a folder; give the path of a film");
   if (std::filesystem::is_other(path, error) && !std::filesystem::is_block_file(path, error))
-    throw std::runtime_error("'" + path
-                             + "' is a pipe or a device, for which nobody waits here; give the "
-                               "path of a film");
+    throw std::runtime_error(
+        "'" + path + "' is a pipe or a device, which cannot be played; give the path of a film");
   if (access(path.c_str(), R_OK) != 0)
     throw std::runtime_error("cannot read '" + path
                              + "': " + std::generic_category().message(errno));

@@ -5,18 +5,16 @@
 
 #include "tactor/drivers/registry.h"
 
+#include <string_view>
+#include <vector>
+
 void
 expect_driver(const std::string &name, const std::string &another)
 {
-  std::string known;
-  for (const tactor::DriverInfo &driver : tactor::drivers()) {
-    if (driver.name == name)
-      return;
-    known += std::string(driver.name) + ", ";
-  }
-  known += another;
-  if (another.empty())
-    known.resize(known.size() - 2);
-  if (another.empty() || name != another)
-    throw UsageError("--driver is one of " + known + ", got '" + name + "'");
+  std::vector<std::string_view> known;
+  for (const tactor::DriverInfo &driver : tactor::drivers())
+    known.push_back(driver.name);
+  if (!another.empty())
+    known.emplace_back(another);
+  expect_one_of("--driver", name, known);
 }

@@ -2,11 +2,11 @@
 #include "output.h"
 
 #include "files/replace.h"
+#include "text.h"
 
 #include <glib.h>
 
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <stdexcept>
 #include <string_view>
@@ -36,11 +36,9 @@ remove_stale_parts(const fs::path &directory, const std::string &stem)
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(stem) || !name.ends_with(kEnding))
       continue;
-    pid_t writer = 0;
-    const char *const end = name.data() + name.size() - kEnding.size();
-    const auto [stop, failed] = std::from_chars(name.data() + stem.size(), end, writer);
-    if (failed == std::errc() && stop == end && writer > 0 && kill(writer, 0) != 0
-        && errno == ESRCH)
+    const auto writer = visuotactile::read_number<pid_t>(std::string_view(name).substr(
+        stem.size(), name.size() - std::min(name.size(), stem.size() + kEnding.size())));
+    if (writer && *writer > 0 && kill(*writer, 0) != 0 && errno == ESRCH)
       fs::remove(entry.path(), error);
   }
 }

@@ -4,17 +4,19 @@
 #include "command_line.h"
 
 #include <array>
+#include <string_view>
+#include <vector>
 
 const fusion::Profile *
 sound_profile(const std::string &name)
 {
-  const fusion::Profile *profile = fusion::find_profile(name);
-  if (profile || name == "off")
+  if (const fusion::Profile *profile = fusion::find_profile(name))
     return profile;
-  std::string names = "off";
+  std::vector<std::string_view> names{ "off" };
   for (const fusion::Profile &known : fusion::profiles())
-    names += std::string(", ") + known.name;
-  throw UsageError("--sound is one of " + names + "; got '" + name + "'");
+    names.emplace_back(known.name);
+  expect_one_of("--sound", name, names);
+  return nullptr;
 }
 
 std::string

@@ -32,7 +32,11 @@ FilmContents::read()
   try {
     part_ = std::make_unique<FilmPart>(
         film_, settings_, Span{},
-        FilmPart::Events{ .analyzed = [this](FilmMap map) { return draft_.add(std::move(map)); },
+        FilmPart::Events{ .analyzed
+                          = [this](FilmMap map) -> tl::expected<void, tactile::FormatError> {
+                           draft_.add(std::move(map)); // pictures go on
+                           return {};
+                         },
                           .finished =
                               [this](const std::string &failure) {
                                 end(failure);

@@ -10,7 +10,9 @@
 #include "tracks/formats/track_file.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <sstream>
 
 namespace {
 
@@ -22,6 +24,60 @@ std::string
 stem_of(const std::string &path)
 {
   return std::filesystem::path(path).stem().string();
+}
+
+std::string
+read_file(const std::string &path)
+{
+  return files::read_whole(path, kLargestPage).value_or("");
+}
+
+/// A script of the page and the modules that it imports, as one; empty if one is missing.
+std::string
+read_script(const std::string &folder, const std::string &name)
+{
+  constexpr std::string_view kFrom = " from './";
+  constexpr std::string_view kExport = "export ";
+  std::string modules;
+  std::string own;
+  std::istringstream lines(read_file(folder + "/" + name));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t from = line.find(kFrom);
+    if (!line.starts_with("import ") || from == std::string::npos) {
+      own += line.substr(line.starts_with(kExport) ? kExport.size() : 0) + "\n";
+      continue;
+    }
+    const std::size_t begin = from + kFrom.size();
+    const std::string module = read_script(folder, line.substr(begin, line.rfind('\'') - begin));
+    if (module.empty())
+      return "";
+    modules += module;
+  }
+  return own.empty() ? "" : modules + own;
+}
+
+/// As a Content-Security-Policy names the content of an element.
+std::string
+hash_of(const std::string &content)
+{
+  std::array<guint8, 32> digest{};
+  gsize size = digest.size();
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_checksum_update(sum, reinterpret_cast<const guchar *>(content.data()),
+                    static_cast<gssize>(content.size()));
+  g_checksum_get_digest(sum, digest.data(), &size);
+  g_autofree gchar *text = g_base64_encode(digest.data(), size);
+  return std::string("'sha256-") + text + "'";
+}
+
+/// False if `text` has no `place`.
+bool
+replace(std::string &text, std::string_view place, const std::string &by)
+{
+  const std::size_t at = text.find(place);
+  if (at != std::string::npos)
+    text.replace(at, place.size(), by);
+  return at != std::string::npos;
 }
 
 } // namespace
@@ -119,14 +175,11 @@ Routes::export_track(SoupServerMessage *message, std::string_view)
            is_vtt ? document.text() : write_track(document.track(), *known, date));
 }
 
+/// One file that needs no other: film_page.html with its style, its script, film and track. Its
+/// policy allows only these, by their hashes.
 void
 Routes::export_page(SoupServerMessage *message, std::string_view)
 {
-  constexpr std::string_view kPlace = "@DATA@";
-  auto page = files::read_whole(settings_.page + "/export-template.html", kLargestPage);
-  const std::size_t place = page ? page->find(kPlace) : std::string::npos;
-  if (place == std::string::npos)
-    return answer_error(message, 404, "the page has no template for exports");
   const std::string name = std::filesystem::path(settings_.film).filename().string();
   g_autofree gchar *link = g_uri_escape_string(name.c_str(), nullptr, FALSE);
   std::string data = "{\"film\": {\"name\": " + write_text(name) + ", \"href\": " + write_text(link)
@@ -135,7 +188,13 @@ Routes::export_page(SoupServerMessage *message, std::string_view)
   // It stands in a script element, which "</script" would end.
   for (std::size_t at = 0; (at = data.find('<', at)) != std::string::npos;)
     data.replace(at, 1, "\\u003c");
-  page->replace(place, kPlace.size(), data);
+  std::string page = read_file(settings_.page + "/film_page.html");
+  const std::string style = read_file(settings_.page + "/film_page.css");
+  const std::string script = read_script(settings_.page, "film_page.js");
+  if (style.empty() || script.empty() || !replace(page, "@SCRIPT_HASH@", hash_of(script))
+      || !replace(page, "@SCRIPT@", script) || !replace(page, "@STYLE_HASH@", hash_of(style))
+      || !replace(page, "@STYLE@", style) || !replace(page, "@DATA@", data))
+    return answer_error(message, 404, "the page has no template for exports");
   name_attachment(message, stem_of(session_.path()) + ".html");
-  ::answer(message, 200, "text/html; charset=utf-8", *page);
+  ::answer(message, 200, "text/html; charset=utf-8", page);
 }

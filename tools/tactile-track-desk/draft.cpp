@@ -13,10 +13,12 @@ FilmDraft::FilmDraft(std::string film, const AnalysisSettings &settings)
 {
 }
 
-tl::expected<void, tactile::FormatError>
+void
 FilmDraft::add(FilmMap map)
 {
-  return recorder_.add(std::move(map));
+  if (full_.empty())
+    if (const auto added = recorder_.add(std::move(map)); !added)
+      full_ = added.error().text();
 }
 
 void
@@ -25,7 +27,7 @@ FilmDraft::end(const std::string &failure)
   if (track_)
     return;
   auto track = recorder_.finish();
-  failure_ = !failure.empty() ? failure : track ? "" : track.error().text();
+  failure_ = !failure.empty() ? failure : track ? full_ : track.error().text();
   if (!failure_.empty())
     return;
   track_ = at_resolution(*track, tactile::kTextTick, tactile::kTextSteps); // as the next time

@@ -25,8 +25,9 @@ public:
     return failure_;
   }
 
-  /// The next map of the film, from the thread that reads it.
-  tl::expected<void, tactile::FormatError> add(FilmMap map);
+  /// The next map of the film, from the thread that reads it. Maps beyond a full track fail in
+  /// end().
+  void add(FilmMap map);
   /// After all maps, or with what failed.
   void end(const std::string &failure);
 
@@ -37,5 +38,6 @@ private:
   const std::optional<library::FileVersion> version_; ///< of the film's file
   std::optional<tactile::Track> track_;
   TrackRecorder recorder_;
+  std::string full_; ///< why maps were not added
   std::string failure_;
 };

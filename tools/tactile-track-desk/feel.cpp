@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "feel.h"
 
+#include "follow/players/player.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+
+using follow::local_time;
 
 namespace {
 
 /// Nothing is felt after so long without a position: docs/design/desk.md.
 constexpr follow::Time kPatience = std::chrono::seconds(1);
 constexpr guint kTick = 50; ///< ms; a chair takes cues 150 ms before its motors need them
-
-follow::Time
-local_time()
-{
-  return std::chrono::microseconds(g_get_monotonic_time());
-}
 
 follow::PositionEstimator
 new_estimator()

@@ -11,12 +11,13 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
     { "review", 0, 0, G_OPTION_ARG_NONE, &options.review,
       "Show draft and track side by side, to accept or reject cue by cue", nullptr },
     { "port", 0, 0, G_OPTION_ARG_INT, &options.port,
-      "Port of 127.0.0.1, 0 to 65535; 0 (default): the track's usual one, or any", "N" },
+      "Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this track, or any free one",
+      "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &options.no_browser,
       "Open no browser: only print the address", nullptr },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Folder of tracks, or its address on a web server: where there is no track beside FILM, its "
-      "track is copied from there",
+      "Folder of tracks, or its address on a web server; FILM's track is copied from there if "
+      "there is none beside FILM",
       "DIR" },
     {},
   };
@@ -25,16 +26,15 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, options.common,
       { .arguments = "FILM [TRACK]",
-        .summary = "Edits a track beside its film, in your browser. TRACK is WebVTT; without it, "
-                   "the one\nbeside the film. If there is none, it is that of --tracks, or a draft "
-                   "that is authored\nfirst. Each edit is kept on the disk at once; TRACK is "
-                   "written when you save. Ctrl-C ends\nthe desk, with all motors at zero.",
+        .summary
+        = "Edits a track beside its film, in your browser. TRACK is WebVTT. Without TRACK, the "
+          "desk\nopens the track beside the film; if there is none, the track of --tracks, or a "
+          "draft,\nwhich it makes first. Each edit is stored on the disk at once, and TRACK when "
+          "you save.\nCtrl-C ends the desk, with all motors at zero.",
         .least = 1,
         .most = 2,
-        .force_help = Usage::kOverwritesAnyway,
         .more = chair.data() });
-  if (options.port < 0 || options.port > kHighestPort)
-    throw UsageError("--port is a number from 0 to 65535");
+  expect_range("--port", options.port, 0, kHighestPort);
   options.chair.check(defaults);
   options.film = arguments[0];
   if (arguments.size() > 1)

@@ -351,7 +351,7 @@ author(int argc, char **argv)
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
       "The track, or the folder for the tracks of several films", "TRACK" },
     { "form", 0, 0, G_OPTION_ARG_STRING, &ending.value,
-      "Format of tracks in a folder, as a file name ends (default: .vtt)", "ENDING" },
+      "Format of the tracks in a folder, by the ending of their names (default: .vtt)", "ENDING" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &settings.rows, "Rows of tactors, 1 to 64 (default: 3)",
       "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &settings.columns,
@@ -362,8 +362,8 @@ author(int argc, char **argv)
       "Profile of the analysis: tuned (default) or paper", "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &sound.value, kSoundHelp, "PROFILE" },
     { "parts", 0, 0, G_OPTION_ARG_INT, &settings.parts,
-      "Number of parts of each film to analyze at the same time; levels near the cuts differ a "
-      "little (default: 1)",
+      "Number of parts of each film to analyze at the same time; levels near the ends of parts "
+      "differ a little (default: 1)",
       "N" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
       "Number of films to analyze at the same time (default: one per processor)", "N" },
@@ -372,30 +372,25 @@ author(int argc, char **argv)
   const std::vector<std::string> films = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM... -o TRACK",
-        .summary
-        = "Makes tracks of films, with the levels and times that visuotactile-play has.\n"
-          "A track appears when it is complete. Tracks that are newer than their films and were\n"
-          "made with the same settings are skipped, so that the same command continues a batch\n"
-          "that was interrupted. Tracks that were edited are kept.",
+        .summary = "Makes tracks of films, with the levels and times of visuotactile-play. A "
+                   "track\nappears when it is complete. Tracks that are newer than their films and "
+                   "were made\nwith the same settings are skipped, so that the same command "
+                   "continues an\ninterrupted batch. Edited tracks are kept.",
         .least = 1,
         .most = std::numeric_limits<std::size_t>::max(),
-        .force_help = "Make all tracks, also those that are up to date or were edited" });
+        .force_help = "Make all tracks again, also those that are up to date or were edited" });
   if (!output.is_set())
     throw UsageError("expected -o TRACK");
-  if (settings.rows < 1 || settings.rows > 64 || settings.columns < 1 || settings.columns > 64)
-    throw UsageError("--rows and --columns are whole numbers from 1 to 64");
-  if (!(settings.rate >= 0 && settings.rate <= 1000))
-    throw UsageError("--rate is a number of Hz from 0 to 1000");
+  expect_range("--rows", settings.rows, 1, 64);
+  expect_range("--columns", settings.columns, 1, 64);
+  expect_range("--rate", settings.rate, 0, 1000);
   settings.profile = profile.text("tuned");
-  if (settings.profile != "tuned" && settings.profile != "paper")
-    throw UsageError("--profile is tuned or paper");
+  expect_one_of("--profile", settings.profile, kProfiles);
   settings.sound = sound_profile(sound.text("off"));
-  if (settings.parts < 1 || settings.parts > 64)
-    throw UsageError("--parts is a number from 1 to 64");
+  expect_range("--parts", settings.parts, 1, 64);
   if (settings.parts > 1 && settings.rows * settings.columns > kMostCells)
     throw UsageError("--parts is for grids of at most " + std::to_string(kMostCells) + " cells");
-  if (jobs < 0 || jobs > 1024)
-    throw UsageError("--jobs is a number from 1 to 1024");
+  expect_range("--jobs", jobs, 0, 1024);
   gst_init(nullptr, nullptr);
 
   const std::vector<std::string> names = output_names(films, output.text(), ending.text(".vtt"));

@@ -55,13 +55,13 @@ extract(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[]
       = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-            "The track to write; its name's ending is the format", "TRACK" },
+            "The track to write or replace; its name selects the format", "TRACK" },
           {} };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM -o TRACK",
-        .summary = "Takes the track out of a film's file, which stays as it is: text "
-                   "cues in subtitles,\nWebVTT among them, or KLV.",
+        .summary = "Copies the track of a film's file to TRACK: text cues in subtitles, also "
+                   "WebVTT, or\nKLV. The film's file does not change.",
         .least = 1,
         .most = 1 });
   if (!output.is_set())

@@ -135,8 +135,9 @@ expect_own(const fs::path &folder, const fs::path &ahap)
     return;
   for (const fs::path &path : { ahap, folder })
     if (fs::exists(path, error) && !fs::is_empty(path, error))
-      throw std::runtime_error("'" + path.string()
-                               + "' is not of an earlier call; expected none, or --force");
+      throw std::runtime_error(
+          "'" + path.string()
+          + "' was not written by this command; expected no such file, or --force");
 }
 
 } // namespace
@@ -150,20 +151,19 @@ stream_hls(int argc, char **argv)
   const GOptionEntry entries[] = {
     { "url", 0, 0, G_OPTION_ARG_STRING, &url.value,
       "Address of PLAYLIST's folder on the server, for Apple's players", "URL" },
-    { "live", 0, 0, G_OPTION_ARG_NONE, &live, "Go on until the stream ends", nullptr },
+    { "live", 0, 0, G_OPTION_ARG_NONE, &live, "Continue until the stream ends", nullptr },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "PLAYLIST TRACK",
         .summary
-        = "Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile'\n"
-          "beside the multivariant PLAYLIST and, unless the stream goes on, tactile.ahap,\n"
-          "which Apple's players play. A playlist that has a track gets the new one. Needs\n"
-          "ffprobe.",
+        = "Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile' "
+          "beside\nthe multivariant PLAYLIST and, if the stream has ended, tactile.ahap, which "
+          "Apple's\nplayers play. An older track is replaced. The command needs ffprobe.",
         .least = 2,
         .most = 2,
-        .force_help = "Replace files and haptics that are not of an earlier call" });
+        .force_help = "Also replace files and haptics that this command did not write" });
   const fs::path playlist = names[0];
   const fs::path folder = playlist.parent_path() / kFolder;
   std::string address = valid(hls::checked_address(url.text()), "--url");

@@ -69,8 +69,7 @@ info(int argc, char **argv)
                       { .arguments = "TRACK...",
                         .summary = "Prints grid, length and events of tracks.",
                         .least = 1,
-                        .most = kAny,
-                        .force_help = Usage::kWritesNothing });
+                        .most = kAny });
   for (const std::string &path : tracks) {
     const Track track = or_throw(tactile::read_track_file(path));
     if (!common.quiet)
@@ -87,12 +86,10 @@ validate(int argc, char **argv)
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "TRACK...",
-        .summary
-        = "Checks that files are tracks, and prints the first error of those that are not.\n"
-          "The exit status is 0 if all are valid, else 1.",
+        .summary = "Checks that files are tracks, and prints the first error of each file that is "
+                   "not.\nThe exit status is 0 if all are valid, else 1.",
         .least = 1,
         .most = kAny,
-        .force_help = Usage::kWritesNothing,
         .quiet_help = "Print only invalid tracks" });
   int status = 0;
   for (const std::string &path : tracks) {
@@ -115,12 +112,11 @@ diff(int argc, char **argv)
 {
   CommonOptions common;
   gdouble tolerance = 0;
-  const GOptionEntry entries[]
-      = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
-            "Ignore differences of levels up to so many percent, and with them of half a hertz "
-            "(default: 0)",
-            "PERCENT" },
-          {} };
+  const GOptionEntry entries[] = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
+                                     "Ignore differences of levels up to PERCENT and, unless this "
+                                     "is 0, of frequencies up to 0.5 Hz (default: 0)",
+                                     "PERCENT" },
+                                   {} };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "BEFORE AFTER",
@@ -130,8 +126,7 @@ diff(int argc, char **argv)
           "they cannot be compared.",
         .least = 2,
         .most = 2,
-        .force_help = Usage::kWritesNothing,
-        .quiet_help = "Print nothing; the exit status says whether they differ" });
+        .quiet_help = "Print nothing; only the exit status shows whether they differ" });
   std::vector<tactile::Difference> differences;
   try {
     differences = or_throw(tactile::diff(or_throw(tactile::read_track_file(tracks[0])),

@@ -146,16 +146,15 @@ learn(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Write the entry here (default: beside TRACK, with the ending .heard)", "ENTRY" },
+      "The entry to write or replace (default: beside TRACK, with the ending .heard)", "ENTRY" },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM TRACK",
-        .summary
-        = "Writes an entry with the fingerprints of a film's sound and its track, by which\n"
-          "visuotactile-follow --listen knows the film on any screen. No sound can be made "
-          "of it.",
+        .summary = "Writes an entry with fingerprints of a film's sound and with its track, by "
+                   "which\nvisuotactile-follow --listen recognizes the film on any screen. The "
+                   "sound cannot be\nrestored from an entry.",
         .least = 2,
         .most = 2 });
   gst_init(nullptr, nullptr);

@@ -79,16 +79,16 @@ find(int argc, char **argv)
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &tracks.value,
       "Folder of tracks, or its address on a web server (http://HOST/FOLDER)", "DIR|URL" },
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Write the track; its name's ending is the format", "TRACK" },
+      "Write the track to this file, or replace it; its name selects the format", "TRACK" },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM",
-        .summary
-        = "Looks for the track of a film beside it and in a library: by the film's name, "
-          "its\ncontent, and its duration with words of its name. Prints where the track "
-          "is, or exits\nwith 1. The only requests to a server are for its index and the track.",
+        .summary = "Finds the track of a film beside the film or in a library: by the film's name, "
+                   "by its\ncontent, or by its duration and words of its name. Prints the track's "
+                   "place; the exit\nstatus is 1 if there is none. The only requests to a server "
+                   "are for its index and the\ntrack.",
         .least = 1,
         .most = 1 });
   gst_init(nullptr, nullptr);
@@ -128,8 +128,9 @@ make_index(int argc, char **argv)
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Writes FOLDER/tracks.json, by which find and visuotactile-follow find tracks, "
-                   "also on a\nweb server. The films need not be there later.",
+        .summary
+        = "Writes FOLDER/tracks.json, in which 'tactile-track find' and visuotactile-follow "
+          "search,\nalso on a web server. The films are not needed later.",
         .least = 1,
         .most = 1 });
   const fs::path folder = names[0];

@@ -20,20 +20,20 @@ namespace {
 
 constexpr std::array kCommands = {
   Command{ "author", author, "make tracks of films" },
-  Command{ "info", info, "print what is in tracks" },
+  Command{ "info", info, "print grid, length and events of tracks" },
   Command{ "convert", convert, "convert a track to another format" },
   Command{ "edit", edit,
            "prune, merge, limit, shift, scale, clip, mask, quantize, resample, overlay" },
   Command{ "diff", diff, "print where two tracks differ" },
   Command{ "plot", plot, "draw a track over time as PNG or SVG" },
   Command{ "preview", preview, "play or record a film with a track" },
-  Command{ "mux", mux, "copy a film's file with a track in it" },
-  Command{ "extract", extract, "take a track out of a film's file" },
+  Command{ "mux", mux, "copy a film's file and add a track" },
+  Command{ "extract", extract, "copy the track of a film's file to its own file" },
   Command{ "hls", stream_hls, "add a track to a film that is streamed by HLS" },
 #ifdef HAVE_LIBRARY
   Command{ "find", find, "find the track of a film in a library" },
   Command{ "index", make_index, "list the tracks of a folder for find" },
-  Command{ "learn", learn, "make the entry by which a film is known by its sound" },
+  Command{ "learn", learn, "make the entry by which a film is recognized by its sound" },
 #endif
 #ifdef DESK_PROGRAM
   Command{ "desk", desk, "edit a track beside its film, in a browser" },

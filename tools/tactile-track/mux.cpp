@@ -259,20 +259,19 @@ mux(int argc, char **argv)
   gboolean first = FALSE;
   CommonOptions common;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-                                     "The film to write: .mkv, .mp4 or .ts", "FILM" },
+                                     "The film to write or replace: .mkv, .mp4 or .ts", "FILM" },
                                    { "first", 0, 0, G_OPTION_ARG_NONE, &first,
                                      "Put the track before the film's own subtitles, for players "
-                                     "that use the first (default: after)",
+                                     "that use the first one (default: after them)",
                                      nullptr },
                                    {} };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM TRACK -o OUT",
-        .summary
-        = "Writes a copy of a film's file that has a track besides: in .mkv and .mp4 as text\n"
-          "cues (subtitles named 'Tactile'), in .ts as KLV. Players do not select the track by\n"
-          "default. An older track is replaced. What OUT cannot hold is named, and the exit\n"
-          "status is then 3.",
+        .summary = "Copies a film's file and adds a track: as text cues (subtitles named "
+                   "'Tactile') to\n.mkv and .mp4, as KLV to .ts. Players do not select the track "
+                   "by default. An older\ntrack is replaced. The command prints the streams that "
+                   "OUT cannot hold; its exit\nstatus is then 3.",
         .least = 2,
         .most = 2 });
   if (!output.is_set())

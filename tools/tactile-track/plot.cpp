@@ -192,17 +192,19 @@ plot(int argc, char **argv)
   TextOption film_name;
   CommonOptions common;
   const GOptionEntry entries[] = {
-    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "The picture: .png or .svg", "FILE" },
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "The picture to write or replace: .png or .svg", "FILE" },
     { "film", 0, 0, G_OPTION_ARG_FILENAME, &film_name.value,
       "Draw frames of this film above the track", "FILM" },
     {},
   };
-  const std::vector<std::string> names = parse_options(
-      argc, argv, entries, common,
-      { .arguments = "TRACK -o PICTURE",
-        .summary = "Draws a track over time: a lane for each cell, the darker the stronger.",
-        .least = 1,
-        .most = 1 });
+  const std::vector<std::string> names
+      = parse_options(argc, argv, entries, common,
+                      { .arguments = "TRACK -o PICTURE",
+                        .summary = "Draws a track over time: each cell has a lane, which is darker "
+                                   "where the level is higher.",
+                        .least = 1,
+                        .most = 1 });
   const std::string out = output.text();
   if (!is_picture_name(out))
     throw UsageError("expected -o PICTURE that ends in .png or .svg");

@@ -39,18 +39,18 @@ preview(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Record the film with the track drawn over it (.mkv) instead of playing it", "FILM" },
+      "Write or replace a film (.mkv) with the track drawn over the picture, instead of playing it",
+      "FILM" },
     { "chair", 0, 0, G_OPTION_ARG_STRING, &chair.value,
       "Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)", "OPTIONS" },
     {},
   };
-  const std::vector<std::string> names
-      = parse_options(argc, argv, entries, common,
-                      { .arguments = "FILM TRACK",
-                        .summary = "Plays a film with a track on the chair and, with a display, on "
-                                   "screen, or records it.",
-                        .least = 2,
-                        .most = 2 });
+  const std::vector<std::string> names = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FILM TRACK",
+        .summary = "Plays a film with a track: on the chair and, with a display, on the screen.",
+        .least = 2,
+        .most = 2 });
   gst_init(nullptr, nullptr);
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const Film film = discover_film(names[0]);

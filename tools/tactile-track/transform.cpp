@@ -3,13 +3,13 @@
 // convert, edit: a track in, a track out.
 #include "commands.h"
 
+#include "text.h"
 #include "tracks/formats/funscript.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
 #include "tracks/track_edit.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -130,13 +130,11 @@ losses(const Track &track, const std::string &path)
 double
 parse_number(const std::string &text, const char *option, double least, double most)
 {
-  double value = 0;
-  const char *end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !(value >= least && value <= most))
-    throw UsageError(std::string(option) + ": expected a number from " + std::to_string(least)
-                     + " to " + std::to_string(most) + ", got '" + text + "'");
-  return value;
+  const auto value = visuotactile::read_number<double>(text);
+  if (!value)
+    throw UsageError(std::string(option) + " is a number, got '" + text + "'");
+  expect_range(option, *value, least, most);
+  return *value;
 }
 
 /// The texts before and after a separator.
@@ -282,22 +280,21 @@ convert(int argc, char **argv)
   TextOption output;
   TextOption part;
   CommonOptions common;
-  const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-                                     "The track to write; its name selects the format", "TRACK" },
-                                   { "part", 'p', 0, G_OPTION_ARG_STRING, &part.value,
-                                     "The clip of a .hasp project (default: the clip that was open "
-                                     "in Haptics Studio)",
-                                     "NAME" },
-                                   {} };
+  const GOptionEntry entries[]
+      = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+            "The track to write or replace; its name selects the format", "TRACK" },
+          { "part", 'p', 0, G_OPTION_ARG_STRING, &part.value,
+            "The clip of a .hasp project (default: the clip that was open "
+            "in Haptics Studio)",
+            "NAME" },
+          {} };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "IN -o OUT",
-        .summary
-        = "Converts a track to the format that OUT's name ends in: .vtt "
-          "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V), "
-          ".haptic (Meta Haptics Studio),\n.ahap (Apple) or .funscript. "
-          "IN may also be .hasp (a project of\nHaptics Studio) or .tact (bHaptics). The parts that "
-          "are lost are printed.",
+        .summary = "Converts a track to the format of OUT's name: .vtt (WebVTT), .csv, .hjif "
+                   "(MPEG\nhaptics), .sem.xml (MPEG-V), .haptic (Meta Haptics Studio), .ahap "
+                   "(Apple) or\n.funscript. IN may also be .hasp (a project of Haptics Studio) or "
+                   ".tact (bHaptics).\nThe command prints the parts of IN that OUT cannot hold.",
         .least = 1,
         .most = 1 });
   if (!output.is_set())
@@ -321,38 +318,41 @@ edit(int argc, char **argv)
   const auto callback = reinterpret_cast<gpointer>(on_operation);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The track to write; its name selects the format", "TRACK" },
+      "The track to write or replace; its name selects the format", "TRACK" },
     { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, "Overwrite IN", nullptr },
     { "prune-shorter", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell that are shorter", "SECONDS" },
+      "Silence events of a cell that are shorter than this", "SECONDS" },
     { "prune-weaker", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell whose peak is weaker", "PERCENT" },
+      "Silence events of a cell whose peak is weaker than this", "PERCENT" },
     { "merge", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Merge a map with the one before where no level differs by more", "PERCENT" },
+      "Merge a map with the one before if no level differs by more than this", "PERCENT" },
     { "limit", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Limit how long a cell's events last, and let it rest afterwards", "LONGEST,REST" },
-    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Delay, or advance if negative", "SECONDS" },
+      "Limit events of a cell to LONGEST seconds, with at least REST seconds of silence between "
+      "them",
+      "LONGEST,REST" },
+    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Delay all events; negative: advance them",
+      "SECONDS" },
     { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Multiply levels by a factor", "FACTOR" },
     { "frequency", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Set the frequency for shakers and other wide-band actuators; 0: none", "HZ" },
-    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep only a part, which then begins at 0",
+      "Set the frequency of all events, for shakers and other wide-band actuators; 0: none", "HZ" },
+    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep only this part, which then begins at 0",
       "FROM-TO" },
-    { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence a part", "FROM-TO" },
-    { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence cells", "r0c2,r1c1,..." },
-    { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Round levels to so many steps", "N" },
-    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Convert to another grid",
+    { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence this part", "FROM-TO" },
+    { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence these cells", "r0c2,r1c1,..." },
+    { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Round levels to N steps", "N" },
+    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Convert the track to another grid",
       "ROWSxCOLUMNS" },
     { "overlay-max", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
-      "Take the stronger of this and another track for each cell", "TRACK" },
+      "Use the stronger level of both tracks in each cell", "TRACK" },
     { "overlay-replace", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
-      "Take another track wherever that is not silent", "TRACK" },
+      "Use TRACK instead wherever TRACK is not silent", "TRACK" },
     {},
   };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "IN -o OUT OPERATION...",
-        .summary = "Applies operations to a track, in the order in which they are given.\nIN is "
-                   "overwritten only with --in-place. Times are seconds or H:MM:SS.mmm.",
+        .summary = "Applies operations to a track, in the order of the command line. IN is "
+                   "overwritten\nonly with --in-place. Times are seconds or H:MM:SS.mmm.",
         .least = 1,
         .most = 1,
         .callback_data = &operations });

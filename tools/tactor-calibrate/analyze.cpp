@@ -70,13 +70,13 @@ analyze(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The calibration to write (default: FOLDER/motors.calibration)", "FILE" },
+      "The calibration to write or replace (default: FOLDER/motors.calibration)", "FILE" },
     { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
       "Band to filter, such as 20:160, in Hz (default: detected)", "LOW:HIGH" },
     { "recording", 0, 0, G_OPTION_ARG_FILENAME, &recording.value,
       "A single recording instead of FOLDER, with --commands and --output", "FILE" },
     { "commands", 0, 0, G_OPTION_ARG_FILENAME, &commands.value,
-      "What tactorsink's trace-location wrote during the recording", "FILE" },
+      "Command trace of the recording, from tactorsink's property trace-location", "FILE" },
     { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
       "Time of the recording's start in that trace (default: 0)", "MS" },
     { "align", 0, 0, G_OPTION_ARG_NONE, &find,
@@ -85,14 +85,14 @@ analyze(int argc, char **argv)
     { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print every step", nullptr },
     {},
   };
-  const std::vector<std::string> arguments = parse_options(
-      argc, argv, entries, common,
-      { .arguments = "[FOLDER]",
-        .summary = "Analyzes the recordings in FOLDER, or a single one, and writes a "
-                   "calibration.\nA recording is any sound file that GStreamer "
-                   "decodes, or a CSV file of seconds and values.",
-        .least = 0,
-        .most = 1 });
+  const std::vector<std::string> arguments
+      = parse_options(argc, argv, entries, common,
+                      { .arguments = "[FOLDER]",
+                        .summary = "Analyzes the recordings in FOLDER, or a single one, and writes "
+                                   "a calibration. A recording\nis a sound file that GStreamer can "
+                                   "decode, or a CSV file of seconds and values.",
+                        .least = 0,
+                        .most = 1 });
   const bool single = recording.is_set() && commands.is_set() && output.is_set();
   if (arguments.size() != (single ? 0 : 1))
     throw UsageError("expected one FOLDER, or --recording, --commands and --output");

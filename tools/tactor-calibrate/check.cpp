@@ -78,25 +78,24 @@ check(int argc, char **argv)
   CommonOptions common;
   const std::vector<GOptionEntry> entries = play_options.with({
       { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
-        "Calibration, as tactorsink's (default: none, the paper's motors)", "FILE" },
+        "Calibration of the motors (default: the paper's motors)", "FILE" },
       { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value,
-        "Which tactors, such as 0-8 (default: 0)", "LIST" },
+        "Tactors to check, such as 0-8 or 0,2 (default: 0)", "LIST" },
       { "events", 'n', 0, G_OPTION_ARG_INT, &events, "Rises of each tactor (default: 10)", "N" },
       { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &volts_max,
-        "Voltage at full level, as tactorsink's (default: 3)", "V" },
+        "Voltage at the motor for level 1 (default: 3)", "V" },
       { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
         "Band to filter, in Hz (default: detected)", "LOW:HIGH" },
   });
   parse_options(argc, argv, entries.data(), common,
                 { .arguments = "",
-                  .summary = "Plays a pattern and prints how far from its frame each tactor's "
-                             "vibration reached 90 %.",
+                  .summary
+                  = "Plays a pattern and prints the timing errors of each tactor: from a frame to "
+                    "the moment\nat which the vibration has reached 90 % of its level.",
                   .least = 0,
                   .most = 0,
-                  .force_help = Usage::kWritesNothing,
-                  .quiet_help = "Print only errors and the line of all tactors" });
-  if (events < 1 || events > 1000)
-    throw UsageError("--events is a number from 1 to 1000");
+                  .quiet_help = "Print only errors and the line for all tactors" });
+  expect_range("--events", events, 1, 1000);
   gst_init(nullptr, nullptr);
   PlayerSettings player = play_options.settings(volts_max);
   if (player.source.empty())

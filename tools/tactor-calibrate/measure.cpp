@@ -19,29 +19,29 @@ measure(int argc, char **argv)
   CommonOptions common;
   const std::vector<GOptionEntry> entries = play_options.with({
       { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value,
-        "Which tactors, such as 0-8 (default: 0). A source with as many channels as tactors "
-        "records each on its own",
+        "Tactors to measure, such as 0-8 or 0,2 (default: 0); a source with as many channels as "
+        "tactors records each tactor on a channel of its own",
         "LIST" },
       { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &settings.volts_max,
         "Voltage at the motor when the board's output is fully on (default: 3)", "V" },
       { "step", 0, 0, G_OPTION_ARG_DOUBLE, &settings.step_volts,
-        "Grid of start and target voltages (default: 0.5; the paper's: 0.1)", "V" },
+        "Step between start and target voltages (default: 0.5; in the paper: 0.1)", "V" },
       { "repetitions", 'r', 0, G_OPTION_ARG_INT, &settings.repetitions,
         "Repetitions of each step (default: 1)", "N" },
-      { "run", 0, 0, G_OPTION_ARG_INT, &only, "Only this run, from 0, even if it is recorded",
-        "N" },
+      { "run", 0, 0, G_OPTION_ARG_INT, &only,
+        "Record only this run, from 0 on, even if it is recorded already", "N" },
       { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Description of the motors", "TEXT" },
   });
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries.data(), common,
       { .arguments = "FOLDER",
-        .summary = "Drives tactors through known steps and records them on the same clock, within "
-                   "tactorsink's\nlimits. Each run of half a minute is a recording and a command "
-                   "trace in FOLDER.\nCtrl-C stops all motors; the same command continues with the "
-                   "next run.",
+        .summary = "Drives tactors through known steps of voltage, within the limits of "
+                   "tactorsink, and\nrecords their vibration on the same clock. Each run takes "
+                   "half a minute and writes a\nrecording and a command trace to FOLDER. Ctrl-C "
+                   "stops all motors; the same command\ncontinues with the next run.",
         .least = 1,
         .most = 1,
-        .force_help = "Record all runs, also those that are recorded" });
+        .force_help = "Record all runs again, also those that are recorded already" });
   gst_init(nullptr, nullptr);
   settings.tactors = parse_tactors(tactors.text());
   const PlayerSettings player = play_options.settings(settings.volts_max);

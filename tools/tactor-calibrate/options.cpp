@@ -4,10 +4,13 @@
 #include "calibration/calibration.h"
 #include "film/device_list.h"
 #include "film/or_throw.h"
+#include "text.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+
+using visuotactile::read_number;
 
 namespace {
 
@@ -19,13 +22,6 @@ interrupt(int)
   interrupted = true;
 }
 
-bool
-parse_number(const std::string &text, double &value)
-{
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-}
-
 } // namespace
 
 std::vector<GOptionEntry>
@@ -35,19 +31,17 @@ PlayOptions::with(std::initializer_list<GOptionEntry> own)
   defaults.fill_of_driver("device", device);
   std::vector<GOptionEntry> entries{
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of the board, as tactorsink's, or audio: shakers at a sound card (default: the "
-      "user's, else auto)",
+      "Driver of tactorsink, or audio for shakers at a sound card (default: the user's, else auto)",
       "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &device.value,
-      "Which board, as tactorsink's, or a sound card's name", "ID" },
+      "Device of the driver, or the name of a sound card", "ID" },
     { "channels", 0, 0, G_OPTION_ARG_INT, &channels,
-      "With --driver=audio: channels of the sound card, which are tactors (default: 2)", "N" },
+      "With --driver=audio: channels of the sound card; each is a tactor (default: 2)", "N" },
     { "frequency", 0, 0, G_OPTION_ARG_STRING, &frequency.value,
-      "With --driver=audio: carrier of each channel in Hz, as tactoraudiosink's (default: 60)",
-      "LIST" },
+      "With --driver=audio: carrier of each channel in Hz, such as 40,60 (default: 60)", "LIST" },
     { "source", 's', 0, G_OPTION_ARG_STRING, &source.value,
-      "Launch line of the GStreamer source that records the motors (default: autoaudiosrc); "
-      "simulator: simulate and record motors; none: record nothing",
+      "GStreamer source that records the motors, as a launch line (default: autoaudiosrc); "
+      "simulator: simulate motors and record them; none: record nothing",
       "LINE" },
     { "simulated-motors", 0, 0, G_OPTION_ARG_FILENAME, &simulated_motors.value,
       "Calibration of the motors that --source=simulator has (default: the paper's)", "FILE" },
@@ -69,8 +63,7 @@ PlayOptions::settings(double volts_max)
                            .channels = channels,
                            .frequency = frequency.text(),
                            .source = source.text() == "none" ? "" : source.text() };
-  if (channels < 1 || channels > 64)
-    throw UsageError("--channels is a whole number from 1 to 64");
+  expect_range("--channels", channels, 1, 64);
   if (settings.driver == kAudio && settings.source == "simulator")
     throw UsageError("--source=simulator has motors of its own; leave out --driver=audio");
   settings.sensor.noise = 0.001;
@@ -91,25 +84,20 @@ std::vector<int>
 parse_tactors(const std::string &text)
 {
   std::vector<int> tactors;
-  const auto fail = [&] {
-    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
-  };
   g_auto(GStrv) parts = g_strsplit(text.c_str(), ",", -1);
   for (gchar **part = parts; *part; part++) {
     g_auto(GStrv) ends = g_strsplit(*part, "-", 2);
-    double first = 0;
-    if (!ends[0] || !parse_number(ends[0], first))
-      fail();
-    double last = first;
-    if (ends[1] && !parse_number(ends[1], last))
-      fail();
-    if (first < 0 || last < first || last >= 4096)
-      fail();
-    for (int tactor = static_cast<int>(first); tactor <= static_cast<int>(last); tactor++)
+    const int first = ends[0] ? read_number<int>(ends[0]).value_or(-1) : -1;
+    const int last = ends[0] && ends[1] ? read_number<int>(ends[1]).value_or(-1) : first;
+    if (first < 0 || last < first || last >= 4096) {
+      tactors.clear();
+      break;
+    }
+    for (int tactor = first; tactor <= last; tactor++)
       tactors.push_back(tactor);
   }
   if (tactors.empty())
-    fail();
+    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
   return tactors;
 }
 
@@ -118,12 +106,13 @@ parse_band(const std::string &text)
 {
   if (text.empty())
     return { 0, 0 };
-  g_auto(GStrv) ends = g_strsplit(text.c_str(), ":", 2);
-  tactor::Band band{ 0, 0 };
-  if (!ends[0] || !ends[1] || !parse_number(ends[0], band.low_hz)
-      || !parse_number(ends[1], band.high_hz) || !(band.low_hz > 0 && band.high_hz > band.low_hz))
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const auto low = read_number<double>(std::string_view(text).substr(0, colon));
+  const auto high
+      = read_number<double>(std::string_view(text).substr(std::min(colon + 1, text.size())));
+  if (!low || !high || !(*low > 0 && *high > *low && std::isfinite(*high)))
     throw UsageError("expected a band as in 20:200, in Hz, got '" + text + "'");
-  return band;
+  return { *low, *high };
 }
 
 const std::atomic<bool> &

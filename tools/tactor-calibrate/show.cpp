@@ -28,11 +28,14 @@ show(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "NAME.svg or NAME.png (default: FOLDER/tactor-N.svg)", "PICTURE" },
-    { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Which tactor (default: 0)", "N" },
+      "Name of the pictures to write or replace, NAME.svg or NAME.png (default: "
+      "FOLDER/tactor-N.svg)",
+      "PICTURE" },
+    { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Tactor to draw (default: 0)", "N" },
     { "from", 0, 0, G_OPTION_ARG_DOUBLE, &start,
       "Start voltage of the rise in NAME-envelope (default: 0)", "V" },
-    { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target, "Its target voltage (default: the highest)", "V" },
+    { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target,
+      "Target voltage of that rise (default: the highest)", "V" },
     { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "Band to filter, in Hz (default: detected)",
       "LOW:HIGH" },
     {},

@@ -205,7 +205,7 @@ void
 FilmTrack::pass_over()
 {
   if (fault_.empty())
-    throw std::runtime_error("no faulty track of a film could be passed over");
+    throw std::runtime_error("there is no faulty track to skip");
   passed_over_.insert(faulty_);
   open(std::string(film_));
 }

@@ -21,7 +21,7 @@ using follow::Report;
 namespace {
 
 constexpr guint kTick = 20;        ///< ms
-constexpr guint kLookEvery = 1000; ///< ms
+constexpr guint kLookEvery = 1500; ///< ms
 constexpr guint kListing = 1000;   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";

@@ -51,11 +51,13 @@ struct Options
 };
 
 void
-expect_ms(const char *name, gdouble value)
+expect_ms(const char *option, gdouble value)
 {
-  if (value != kNotSet && !(std::abs(value) <= PlayerTiming::kMost))
-    throw UsageError(std::string("--") + name + " is a number of ms from -5000 to 5000");
+  if (value != kNotSet)
+    expect_range(option, value, -PlayerTiming::kMost, PlayerTiming::kMost);
 }
+
+constexpr std::string_view kServers[] = { "jellyfin", "emby", "plex" };
 
 std::optional<follow::ServerKind>
 server_of(const std::string &name)
@@ -91,12 +93,12 @@ read_command_line(int argc, char **argv, Options &options)
       "DIR|URL" },
     { "listen", 0, G_OPTION_FLAG_OPTIONAL_ARG, G_OPTION_ARG_CALLBACK,
       reinterpret_cast<gpointer>(set_listen),
-      "Know films of the library of --tracks by their sound: of the microphone, of this computer "
-      "('monitor'), of a source of PulseAudio or PipeWire, or of a file",
+      "Recognize films of the library of --tracks by their sound, from the microphone (default), "
+      "'monitor' (the sound of this computer), a source of PulseAudio or PipeWire, or a file",
       "SOURCE" },
     { "listen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.listen_latency,
-      "Time from a sound at the screen until it is received here, in ms, -5000 to 5000 (default: "
-      "0)",
+      "Time from a sound at the screen until this computer receives it, in ms, -5000 to 5000 "
+      "(default: 0)",
       "MS" },
     { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "Exit when the player exits", nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
@@ -109,8 +111,8 @@ read_command_line(int argc, char **argv, Options &options)
       "(default: 0)",
       "MS" },
     { "sound-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.sound_latency,
-      "Time until the sound of a picture is audible, in ms, -5000 to 5000 "
-      "(default: measured with each player)",
+      "Time until a sound of the player is audible, in ms, -5000 to 5000 (default: measured with "
+      "each player)",
       "MS" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
       "Print the state of the running visuotactile-follow, and exit", nullptr },
@@ -119,10 +121,10 @@ read_command_line(int argc, char **argv, Options &options)
       "store the sum for this kind of player, and exit",
       "MS" },
     { "nudge-film", 0, 0, G_OPTION_ARG_DOUBLE, &options.nudge_film,
-      "As --nudge, but store the sum for the film that plays, with any player", "MS" },
+      "As --nudge, but store the sum for the film that plays, in any player", "MS" },
     { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
-      "Make the running visuotactile-follow skip the film's faulty track in its present form, "
-      "for another track or a draft, and exit",
+      "Make the running visuotactile-follow skip the film's faulty track until its file changes, "
+      "in favor of another track or a draft, and exit",
       nullptr },
     { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
       "Print the running players, and exit", nullptr },
@@ -133,42 +135,39 @@ read_command_line(int argc, char **argv, Options &options)
   options.chair.fill(defaults);
   defaults.fill("sound", options.sound);
   const auto chair = options.chair.entries();
-  parse_options(argc, argv, entries, options.common,
-                { .arguments = "",
-                  .summary
-                  = "Plays the track of a film on the chair, in sync with the film in another\n"
-                    "program: mpv, Kodi, VLC, a browser and other players that report their\n"
-                    "position through mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus,\n"
-                    "and players of Jellyfin, Emby and Plex through their server.\n"
-                    "Without --mpv, --kodi, --mpris and --server, any player that plays is\n"
-                    "followed.\n\n"
-                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
-                    ".haptic, .ahap, .funscript, .tact) beside it, in the film, or in the library\n"
-                    "of --tracks; tactile-track makes it. For other films on this computer, a\n"
-                    "draft is made while they play.\n\n"
-                    "Ctrl-C stops the program and all motors. SIGUSR1 delays the vibration by\n"
-                    "10 ms, SIGUSR2 advances it by 10 ms.",
-                  .least = 0,
-                  .most = 0,
-                  .force_help = Usage::kWritesNothing,
-                  .quiet_help = Usage::kOnlyErrors,
-                  .more = chair.data(),
-                  .callback_data = &options,
-                  .group = gst_init_get_option_group() });
+  parse_options(
+      argc, argv, entries, options.common,
+      { .arguments = "",
+        .summary
+        = "Plays the track of a film on the chair, in sync with the film in another\nprogram: mpv, "
+          "Kodi, VLC, a browser and other players that report their\nposition through mpv's "
+          "socket, Kodi's JSON-RPC or MPRIS on the session bus,\nand players of Jellyfin, Emby and "
+          "Plex through their server. Without --mpv,\n--kodi, --mpris and --server, the program "
+          "follows any player that plays.\n\nThe track of FILM.mkv is FILM.vtt (or .tactile.vtt, "
+          ".csv, .hjif, .sem.xml,\n.haptic, .ahap, .funscript, .tact) beside it, a track in the "
+          "film, or one of\nthe library of --tracks; tactile-track makes tracks. For other films "
+          "on this\ncomputer, the program makes a draft while they play.\n\nCtrl-C stops the "
+          "program and all motors. SIGUSR1 delays the vibration by\n10 ms, SIGUSR2 advances it by "
+          "10 ms.",
+        .least = 0,
+        .most = 0,
+        .quiet_help = Usage::kOnlyErrors,
+        .more = chair.data(),
+        .callback_data = &options,
+        .group = gst_init_get_option_group() });
   options.chair.check(defaults);
-  expect_ms("screen-latency", options.screen_latency);
-  expect_ms("sound-latency", options.sound_latency);
-  expect_ms("nudge", options.nudge);
-  expect_ms("nudge-film", options.nudge_film);
-  if (!(std::abs(options.listen_latency) <= PlayerTiming::kMost))
-    throw UsageError("--listen-latency is a number of ms from -5000 to 5000");
+  expect_ms("--screen-latency", options.screen_latency);
+  expect_ms("--sound-latency", options.sound_latency);
+  expect_ms("--nudge", options.nudge);
+  expect_ms("--nudge-film", options.nudge_film);
+  expect_ms("--listen-latency", options.listen_latency);
   if (options.listen && !options.tracks.is_set())
     throw UsageError("--listen needs --tracks, with the folder or address of entries of films "
                      "(tactile-track learn)");
-  if (!sync_of(options.sync_to.text("screen")))
-    throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
-  if (options.server.is_set() && !server_of(options.server.text()))
-    throw UsageError("--server is jellyfin, emby or plex, not '" + options.server.text() + "'");
+  constexpr std::string_view kSyncs[] = { "screen", "sound" };
+  expect_one_of("--sync-to", options.sync_to.text("screen"), kSyncs);
+  if (options.server.is_set())
+    expect_one_of("--server", options.server.text(), kServers);
   expect_driver(options.chair.driver.text());
   const bool plays = !options.version && !options.list && !options.status && !options.pass_over
                      && options.nudge == 0 && options.nudge_film == 0;

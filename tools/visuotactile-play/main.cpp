@@ -252,6 +252,8 @@ run(const Options &options)
     settings.analysis_options += " density=" + number_text(options.density);
   if (!has_track && options.people.text() != "off")
     settings.analysis_options += " people=" + options.people.text();
+  if (!has_track && options.camera.text() != "off")
+    settings.analysis_options += " camera=" + options.camera.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;
   const double rate = options.rate != kUsualRate ? options.rate : has_track ? 0 : 5;
   settings.chair = chair_line(options) + " rate=" + number_text(rate);

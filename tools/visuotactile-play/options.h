@@ -22,6 +22,7 @@ struct Options
   TextOption output{};
   TextOption profile{ "tuned" };
   TextOption people{ "off" };
+  TextOption camera{ "off" };
   TextOption sound{ "off" };
   TextOption compensation{ "exact" };
   TextOption driver{ "auto" };

@@ -15,11 +15,7 @@ parse(int argc, char **argv, CommonOptions &common, const char *summary)
 {
   const GOptionEntry none[] = { {} };
   parse_options(argc, argv, none, common,
-                { .arguments = "",
-                  .summary = summary,
-                  .least = 0,
-                  .most = 0,
-                  .force_help = Usage::kWritesNothing });
+                { .arguments = "", .summary = summary, .least = 0, .most = 0 });
 }
 
 } // namespace

@@ -145,7 +145,6 @@ list(int argc, char **argv)
                   .summary = "Prints the settings of all programs, [chair], and of single ones.",
                   .least = 0,
                   .most = 0,
-                  .force_help = Usage::kWritesNothing,
                   .quiet_help = "Print only what is wrong" });
   const chair::SettingsFile file = loaded(chair::SettingsFile::load());
   std::vector<std::string> complaints;

@@ -46,8 +46,7 @@ test(int argc, char **argv)
                     "of a gamepad, a vest or a device of\nIntiface. Prints the name of "
                     "each.",
                   .least = 0,
-                  .most = 0,
-                  .force_help = Usage::kWritesNothing });
+                  .most = 0 });
   gst_init(nullptr, nullptr);
   chair::Settings settings = chair::read_settings();
   settings.leave_out_shakers();

@@ -106,19 +106,19 @@ write_report(int argc, char **argv)
       "Folder for report.html, report.pdf, figure.png and answers.csv (default: FOLDER/report)",
       "DIR" },
     { "with-marked", 0, 0, G_OPTION_ARG_NONE, &with_marked,
-      "Also use sessions that are marked, such as late ones", nullptr },
+      "Also use marked sessions, such as late ones", nullptr },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Analyzes the answers of those who finished with R (packages r-cran-afex and "
-                   "r-cran-emmeans):\nanalysis of variance with effect sizes, comparisons of "
-                   "levels, a figure, and published.csv\nbeside. Marked sessions are left out, and "
-                   "named.",
+        .summary = "Analyzes with R (packages r-cran-afex and r-cran-emmeans) the answers of "
+                   "participants who\nhave finished: analysis of variance with effect sizes, "
+                   "comparisons of levels, and a figure,\nbeside the results in published.csv. The "
+                   "report names marked sessions and leaves them out.",
         .least = 1,
         .most = 1,
-        .force_help = "Replace files that are of no earlier report of the study" });
+        .force_help = "Also replace files that no earlier report of the study wrote" });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   print_damaged("visuotactile-study report", *folder);
   const std::string to = output.text((folder->path() + "/report").c_str());
@@ -153,16 +153,16 @@ compute_power(int argc, char **argv)
     { "factor", 0, 0, G_OPTION_ARG_STRING, &factor.value,
       "The factor that has an effect (default: the first)", "NAME" },
     { "effect", 0, 0, G_OPTION_ARG_DOUBLE, &effect,
-      "Difference between its last and its first level (default: 15)", "POINTS" },
+      "Difference between the last and the first level of the factor (default: 15)", "POINTS" },
     { "spread", 0, 0, G_OPTION_ARG_DOUBLE, &spread,
       "Standard deviation of ratings in a condition (default: 15)", "POINTS" },
     { "correlation", 0, 0, G_OPTION_ARG_DOUBLE, &correlation,
-      "Of a participant's ratings in two conditions, 0 to 0.99 (default: 0.5)", "R" },
+      "Correlation of a participant's ratings in two conditions, 0 to 0.99 (default: 0.5)", "R" },
     { "power", 0, 0, G_OPTION_ARG_DOUBLE, &power,
-      "Wanted chance to find the effect, 0.05 to 0.99 (default: 0.8)", "CHANCE" },
+      "Required chance to find the effect, 0.05 to 0.99 (default: 0.8)", "CHANCE" },
     { "studies", 0, 0, G_OPTION_ARG_INT, &studies,
-      "Simulated studies for each number of people, 100 to 100000 (default: 1000)", "N" },
-    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Of the simulation (default: 1)", "N" },
+      "Number of simulated studies for each number of people, 100 to 100000 (default: 1000)", "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Seed of the simulation (default: 1)", "N" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
@@ -171,18 +171,14 @@ compute_power(int argc, char **argv)
         .summary = "Computes how many people a study needs to find an effect at the 5 % level, by "
                    "simulated\nstudies with R (package r-base-core).",
         .least = 1,
-        .most = 1,
-        .force_help = Usage::kWritesNothing });
+        .most = 1 });
   if (!std::isfinite(effect))
     throw UsageError("--effect is a number");
   if (!(spread > 0 && std::isfinite(spread)))
     throw UsageError("--spread is a number above 0");
-  if (!(correlation >= 0 && correlation <= 0.99))
-    throw UsageError("--correlation is a number from 0 to 0.99");
-  if (!(power >= 0.05 && power <= 0.99))
-    throw UsageError("--power is a number from 0.05 to 0.99");
-  if (studies < 100 || studies > 100000)
-    throw UsageError("--studies is a whole number from 100 to 100000");
+  expect_range("--correlation", correlation, 0, 0.99);
+  expect_range("--power", power, 0.05, 0.99);
+  expect_range("--studies", studies, 100, 100000);
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   std::vector<std::string> words{ script("power.R") };
   for (const double number : { effect, spread, correlation, power })

@@ -78,12 +78,11 @@ print_status(int argc, char **argv)
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Prints each participant with place, state, and sessions that are marked: "
-                   "repeated, late,\ndropped-frames, chair (what the chair reported), stopped, "
-                   "failed, interrupted, not-shown,\nno-commands, no-noise, simulated.",
+        .summary = "Prints the place and state of each participant, and the marks of sessions: "
+                   "repeated, late,\ndropped-frames, chair (the chair reported a fault), stopped, "
+                   "failed, interrupted,\nnot-shown, no-commands, no-noise, simulated.",
         .least = 1,
-        .most = 1,
-        .force_help = Usage::kWritesNothing });
+        .most = 1 });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   if (orders) {
     std::fputs(study::order_table(*folder).c_str(), stdout);
@@ -122,17 +121,19 @@ export_table(int argc, char **argv)
   CommonOptions common;
   TextOption output{ "answers.csv" };
   const GOptionEntry entries[] = {
-    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "The file (default: answers.csv)",
-      "FILE" },
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "The file to write (default: answers.csv)", "FILE" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Writes all answers as CSV, a row each, with participant, levels, settings, "
-                   "versions,\ncommand trace, timing error and marks of its session.",
+        .summary
+        = "Writes all answers as CSV. The row of an answer has participant and levels, and "
+          "the\nsettings, versions, command trace, timing error and marks of its session.",
         .least = 1,
-        .most = 1 });
+        .most = 1,
+        .force_help = "Replace an existing file" });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   print_damaged(kProgram, *folder);
   std::error_code error;
@@ -155,30 +156,29 @@ simulate(int argc, char **argv)
   gdouble spread = 15;
   TextOption factor;
   const GOptionEntry entries[] = {
-    { "people", 0, 0, G_OPTION_ARG_INT, &people, "How many (default: the study's)", "N" },
-    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Of their answers (default: 1)", "N" },
+    { "people", 0, 0, G_OPTION_ARG_INT, &people, "Number of participants (default: the study's)",
+      "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Seed of the answers (default: 1)", "N" },
     { "factor", 0, 0, G_OPTION_ARG_STRING, &factor.value,
       "The factor that has an effect (default: the first)", "NAME" },
     { "effect", 0, 0, G_OPTION_ARG_DOUBLE, &effect,
-      "Difference between its last and its first level (default: 15)", "POINTS" },
+      "Difference between the last and the first level of the factor (default: 15)", "POINTS" },
     { "spread", 0, 0, G_OPTION_ARG_DOUBLE, &spread,
-      "Standard deviation of an answer, and of people (default: 15)", "POINTS" },
+      "Standard deviation of answers, and of participants (default: 15)", "POINTS" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Writes the data of simulated participants to a study that has none, to try "
-                   "export and\nreport before the first real one. No film is played.",
+        .summary = "Writes data of simulated participants to a study that has no data, to try "
+                   "export and\nreport before the first real participant. No film is played.",
         .least = 1,
-        .most = 1,
-        .force_help = "No effect: data are never replaced" });
+        .most = 1 });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::writes));
   if (!folder->participants().empty() || !folder->damaged().empty())
     throw std::runtime_error("'" + arguments[0]
                              + "' has data; expected a study without participants");
-  if (people < 0 || people > 1000)
-    throw UsageError("--people is a whole number from 1 to 1000");
+  expect_range("--people", people, 0, 1000);
   if (!std::isfinite(effect))
     throw UsageError("--effect is a number");
   if (!std::isfinite(spread) || spread < 0)
@@ -201,14 +201,14 @@ forget(int argc, char **argv)
 {
   CommonOptions common;
   const GOptionEntry none[] = { {} };
-  const std::vector<std::string> arguments = parse_options(
-      argc, argv, none, common,
-      { .arguments = "FOLDER PARTICIPANT",
-        .summary = "Removes all answers and command traces of a participant, such as P03, whose "
-                   "place is\ngiven again. Files of earlier exports and reports still have them.",
-        .least = 2,
-        .most = 2,
-        .force_help = "No effect: it is always done at once" });
+  const std::vector<std::string> arguments
+      = parse_options(argc, argv, none, common,
+                      { .arguments = "FOLDER PARTICIPANT",
+                        .summary = "Removes all answers and command traces of a participant, such "
+                                   "as P03, at once. The next\nparticipant gets this place. "
+                                   "Earlier exports and reports still contain the answers.",
+                        .least = 2,
+                        .most = 2 });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::writes));
   or_throw(folder->forget(arguments[1]));
   if (!common.quiet)

@@ -10,7 +10,7 @@
 static constexpr std::array kCommands = {
   Command{ "new", make_new, "make a study's folder, with the paper's study" },
   Command{ "run", run_study, "serve sessions in the browser, with film and chair" },
-  Command{ "status", print_status, "print who has done what" },
+  Command{ "status", print_status, "print the state of each participant" },
   Command{ "export", export_table, "write the answers as CSV" },
   Command{ "report", write_report, "analyze the answers (needs R)" },
   Command{ "power", compute_power, "compute how many people a study needs (needs R)" },

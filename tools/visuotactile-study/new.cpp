@@ -58,7 +58,7 @@ make_new(int argc, char **argv)
   gint side = kSide;
   const GOptionEntry entries[] = {
     { "film", 'f', 0, G_OPTION_ARG_FILENAME, &film.value,
-      "The third film, of the real world (default: films/real-world.mkv, which you provide)",
+      "The third film, of the real world (default: FOLDER/films/real-world.mkv, which you provide)",
       "FILE" },
     { "length", 'l', 0, G_OPTION_ARG_INT, &seconds,
       "Length of the synthetic films in s, 1 to 600 (default: 60)", "S" },
@@ -69,16 +69,13 @@ make_new(int argc, char **argv)
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Makes a folder for a study: study.ini, which you edit, films by "
-                   "tactiletestsrc, and\nwhat the paper published. Without edits it is the study "
-                   "of Kim, Lee, Choi 2012,\nSection 5.",
+        .summary = "Makes the folder of a study: study.ini, which you edit, films of "
+                   "tactiletestsrc, and the\npaper's results. Without edits, the study is that of "
+                   "Kim, Lee, Choi 2012, Section 5.\nExisting files are never replaced.",
         .least = 1,
-        .most = 1,
-        .force_help = "No effect: existing files are never replaced" });
-  if (seconds < 1 || seconds > 600)
-    throw UsageError("--length is a whole number from 1 to 600");
-  if (side < 64 || side > 2160)
-    throw UsageError("--side is a whole number from 64 to 2160");
+        .most = 1 });
+  expect_range("--length", seconds, 1, 600);
+  expect_range("--side", side, 64, 2160);
   gst_init(nullptr, nullptr);
   std::string third = "films/real-world.mkv";
   if (film.is_set()) {

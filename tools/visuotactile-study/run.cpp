@@ -102,26 +102,25 @@ run_study(int argc, char **argv)
     { "screen", 's', 0, G_OPTION_ARG_STRING, &screen_name.value,
       "Monitor of the participant, which films cover (default: the primary one)", "NAME" },
     { "port", 0, 0, G_OPTION_ARG_INT, &port,
-      "Port of 127.0.0.1, 0 to 65535; 0 (default): the study's usual one, or any", "N" },
+      "Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this study, or any free one",
+      "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &no_browser,
       "Open no browser: only print the addresses", nullptr },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &no_window,
-      "Show no film, and play no sound, even with a display: to try a study", nullptr },
+      "Show no film and play no sound, to try a study", nullptr },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Serves a study on 127.0.0.1. The first address is the participant's page, the "
-                   "second the\nexperimenter's, who starts each participant there. Each answer is "
-                   "on the disk before\nthe next page; what was cut off goes on at the same page. "
-                   "Films cover a whole screen;\nEscape or Q stops one. Ctrl-C ends the server, "
-                   "with all motors at zero.",
+        .summary = "Serves a study on 127.0.0.1 and prints two addresses: the participant's page, "
+                   "and the\npage on which the experimenter starts each participant. Each answer "
+                   "is on the disk before\nthe next page; an interrupted session continues at the "
+                   "same page. Films cover a whole\nscreen; Escape or Q stops a film. Ctrl-C ends "
+                   "the server, with all motors at zero.",
         .least = 1,
-        .most = 1,
-        .force_help = "No effect: answers are only added" });
-  if (port < 0 || port > kHighestPort)
-    throw UsageError("--port is a number from 0 to 65535");
+        .most = 1 });
+  expect_range("--port", port, 0, kHighestPort);
   gst_init(nullptr, nullptr);
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
   const char *set = g_getenv("VISUOTACTILE_STUDY_PAGE");

@@ -31,7 +31,6 @@ run(int argc, char **argv)
                      "visuotactile-play or\ntactile-track."),
         .least = 0,
         .most = 1,
-        .force_help = Usage::kWritesNothing,
         .group = gst_init_get_option_group() });
   if (version) {
     std::puts("visuotactile " PACKAGE_VERSION);

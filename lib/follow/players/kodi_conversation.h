@@ -42,7 +42,6 @@ public:
 
 private:
   std::string question(const char *method, const std::string &parameters, std::int64_t &id);
-  std::string ask_for_players(Time now);
   std::string ask_for_item();
   std::string ask_for_position(Time now);
   bool awaits() const;

@@ -3,9 +3,9 @@
 
 #include "tactor/serial/legible.h"
 #include "tactor/serial/small_file.h"
+#include "text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <optional>
 #include <sys/stat.h>
@@ -14,6 +14,8 @@
 #include <vector>
 
 namespace tactor {
+
+using visuotactile::read_number;
 
 namespace {
 
@@ -27,17 +29,6 @@ struct Tty
   fs::path module;  ///< of its driver, in sysfs; empty if it is built in
   bool is_ours = false;
 };
-
-template <typename Number>
-std::optional<Number>
-parse(std::string_view text)
-{
-  Number number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    return std::nullopt;
-  return number;
-}
 
 /// The entries of a folder; none if it cannot be read.
 std::vector<fs::path>
@@ -58,8 +49,8 @@ device_number(const std::string &text)
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos)
     return 0;
-  const auto major_number = parse<unsigned>(std::string_view(text).substr(0, colon));
-  const auto minor_number = parse<unsigned>(std::string_view(text).substr(colon + 1));
+  const auto major_number = read_number<unsigned>(std::string_view(text).substr(0, colon));
+  const auto minor_number = read_number<unsigned>(std::string_view(text).substr(colon + 1));
   return major_number && minor_number ? makedev(*major_number, *minor_number) : 0;
 }
 
@@ -100,7 +91,7 @@ seen_users(const std::vector<Tty> &ttys, const SystemRoots &roots)
 {
   std::map<dev_t, std::string> users;
   for (const fs::path &process : entries(roots.proc)) {
-    if (!parse<unsigned>(process.filename().native()))
+    if (!read_number<unsigned>(process.filename().native()))
       continue;
     for (const fs::path &file : entries(process / "fd")) {
       std::error_code error;
@@ -126,7 +117,7 @@ locked_by(const std::string &tty, const SystemRoots &roots)
   const std::size_t begin = text.find_first_not_of(' ');
   if (begin == std::string::npos)
     return std::nullopt;
-  const auto process = parse<unsigned>(
+  const auto process = read_number<unsigned>(
       std::string_view(text).substr(begin, text.find_first_of(" \n", begin) - begin));
   std::error_code error;
   if (!process || !fs::exists(roots.proc / std::to_string(*process), error))
@@ -154,7 +145,7 @@ tty_use(const std::string &bus_path, int interface, const SystemRoots &roots)
     if (tty.module.empty())
       continue;
     // The driver holds a reference to its module for each open line.
-    const int open = parse<int>(small_file(tty.module / "refcnt")).value_or(0);
+    const int open = read_number<int>(small_file(tty.module / "refcnt")).value_or(0);
     int seen = 0;
     int unaccounted = 0; // other lines that may be the open ones
     for (const Tty &other : ttys)

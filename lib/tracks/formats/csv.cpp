@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/formats/csv.h"
 
+#include "text.h"
 #include "tracks/formats/line_reader.h"
 #include "tracks/text_cue.h"
 
@@ -142,18 +143,16 @@ read_map(std::string_view line, std::size_t number, bool has_frequency, TactileM
   std::vector<float> &levels = map.levels;
   for (float &level : levels) {
     const std::string_view field = take_field(line);
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), level);
-    if (error != std::errc() || end != field.data() + field.size() || !(level >= 0 && level <= 1))
+    level = visuotactile::read_number<float>(field).value_or(-1);
+    if (!(level >= 0 && level <= 1))
       return wrong(number, "expected " + std::to_string(levels.size())
                                + " levels from 0 to 1, got '" + std::string(field.substr(0, 20))
                                + "'");
   }
   if (has_frequency) {
     const std::string_view field = take_field(line);
-    const auto [end, error]
-        = std::from_chars(field.data(), field.data() + field.size(), map.frequency);
-    if (error != std::errc() || end != field.data() + field.size()
-        || !(map.frequency == 0 || (map.frequency >= 1 && map.frequency <= kHighestFrequency)))
+    map.frequency = visuotactile::read_number<float>(field).value_or(-1);
+    if (!(map.frequency == 0 || (map.frequency >= 1 && map.frequency <= kHighestFrequency)))
       return wrong(number, "expected a frequency from 1 to 1000 Hz, or 0, got '"
                                + std::string(field.substr(0, 20)) + "'");
   }

@@ -102,7 +102,7 @@ assert_told(Paused &film, const char *where)
 {
   assert_text(film.seconds(2), "");
   assert_contains(film.seconds(1),
-                  { "waits for ever", "queue is missing", where, "two seconds", "! queue !" });
+                  { "waits forever", "queue is missing", where, "two seconds", "! queue !" });
   assert_text(film.seconds(5), ""); // only once
 }
 

@@ -182,7 +182,7 @@ CHECK_TEST(test_out_of_memory)
   Film film;
   film.play(60, false);
   const Said said = film.messages.said(GST_MESSAGE_WARNING);
-  fail_unless(said.text == "There is no look for people: out of memory.", "%s", said.text.c_str());
+  fail_unless(said.text == "Faces are not detected: out of memory.", "%s", said.text.c_str());
   film.play(60, false);
   fail_if(film.messages.has(GST_MESSAGE_WARNING));
   ck_assert_uint_eq(film.stat("analyzed"), 120);

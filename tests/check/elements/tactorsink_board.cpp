@@ -472,8 +472,8 @@ CHECK_TEST(test_large_chair)
     rig->sockets_.plug(large);
     fail_unless(rig->start());
     assert_contains(rig->message(GST_MESSAGE_WARNING),
-                    { "too large for its line", "64 tactors", "342 bytes", "59.9 ms", "16.7 times",
-                      "max-active to 9" });
+                    { "too large for its serial line", "64 tactors", "342 bytes", "59.9 ms",
+                      "16.7 times", "max-active to 9" });
     g_autoptr(GstMessage) message
         = gst_bus_timed_pop_filtered(rig->messages.bus, GST_CLOCK_TIME_NONE, GST_MESSAGE_ELEMENT);
     const GstStructure *said = gst_message_get_structure(message);

@@ -77,7 +77,7 @@ CHECK_TEST(test_properties_are_the_childrens)
     }
     gst_object_unref(child);
   }
-  ck_assert_uint_eq(compared, 22);
+  ck_assert_uint_eq(compared, 23);
   gst_object_unref(chair);
 }
 
@@ -376,7 +376,7 @@ CHECK_TEST(test_without_a_video_sink)
   player.play();
   ck_assert_uint_eq(player.warnings.size(), 1);
   ck_assert_str_eq(player.warnings[0].second.c_str(),
-                   "No video sink can be used: the film is felt and not shown.");
+                   "No video sink can be used: the film is felt, but not shown.");
   fail_unless(commands_with_volts(player.trace()) > 0);
 }
 

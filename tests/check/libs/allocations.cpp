@@ -67,23 +67,40 @@ cuts()
   return frames;
 }
 
+constexpr int kWarmUp = 200;
+constexpr int kMeasured = 120;
+
+/// Nothing rests before the frames that are measured, most of which show the same.
+std::vector<Frame>
+late_rest()
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < kWarmUp; ++i) {
+    frames.emplace_back(kFilm.width, kFilm.height, 90);
+    frames.back().disc(20 + 37 * i % 120, 20 + 23 * i % 80, 15, { 200, 128, 128 });
+  }
+  frames.resize(kWarmUp + kMeasured, Frame(kFilm.width, kFilm.height, 90));
+  return frames;
+}
+
 struct Counted
 {
   std::uint64_t allocations;
   int cuts;
   int moved;
+  int warm_up_unchanged;
+  int unchanged;
 };
 
-/// Allocations during `measured` frames that follow `warm_up` frames.
+/// Allocations during kMeasured frames that follow kWarmUp frames.
 Counted
 analyze(const saliency::Profile &profile, const tactile::MappingSettings &mapping, bool temporal,
-        const std::vector<Frame> &frames)
+        const std::vector<Frame> &frames, double rest = 0)
 {
-  constexpr int kWarmUp = 200;
-  constexpr int kMeasured = 120;
   saliency::Analyzer analyzer(profile);
+  analyzer.set_rest(rest);
   tactile::TactileMap map(3, 3);
-  Counted counted{ 0, 0, 0 };
+  Counted counted{ 0, 0, 0, 0, 0 };
   for (int i = 0; i < kWarmUp + kMeasured; ++i) {
     const auto view = frames[static_cast<std::size_t>(i) % frames.size()].view();
     const saliency::Time duration(33'333'333);
@@ -100,6 +117,7 @@ analyze(const saliency::Profile &profile, const tactile::MappingSettings &mappin
       counted.allocations += allocations::of_this_thread() - before;
     counted.cuts += found.cut ? 1 : 0;
     counted.moved += found.camera_moves ? 1 : 0;
+    (i < kWarmUp ? counted.warm_up_unchanged : counted.unchanged) += found.unchanged ? 1 : 0;
   }
   return counted;
 }
@@ -132,6 +150,19 @@ CHECK_TEST(test_tuned)
   const Counted cut = analyze(profile, mapping, true, cuts());
   ck_assert_int_ge(cut.cuts, 50);
   ck_assert_uint_eq(cut.allocations, 0);
+}
+
+CHECK_TEST(test_rest)
+{
+  // The noise floor allocates where things first stand still, also without a rest.
+  const auto count = [](double rest) {
+    return analyze(saliency::Profile::tuned(), tactile::MappingSettings::tuned(), true, late_rest(),
+                   rest);
+  };
+  const Counted counted = count(0.8);
+  ck_assert_int_eq(counted.warm_up_unchanged, 0);
+  ck_assert_int_gt(counted.unchanged, kMeasured / 2);
+  ck_assert_uint_eq(counted.allocations, count(0).allocations);
 }
 
 CHECK_TEST(test_tuned_spatial)

@@ -49,8 +49,6 @@ export class Film extends EventTarget {
   set rate(rate) { this.#video.playbackRate = this.#video.defaultPlaybackRate = rate; }
   get muted() { return this.#video.muted; }
   set muted(muted) { this.#video.muted = muted; }
-  /** What is shown comes from the proxy stream. */
-  get proxied() { return this.#proxy; }
 
   get #isSeeking() { return this.#opening || this.#video.seeking; }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/websocket/server_address.h"
 
+#include "text.h"
+
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace tactor {
@@ -12,9 +13,8 @@ namespace {
 bool
 is_port(std::string_view text)
 {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
+  const int port = visuotactile::read_number<int>(text).value_or(0);
+  return port >= 1 && port <= 65535;
 }
 
 /// A name, an IPv4 address, or an IPv6 address in brackets.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-import { drawMap } from '../page/map_view.js';
-import { Pad } from '../page/pad.js';
+import { drawMap } from './map_view.js';
+import { Pad } from './pad.js';
 
 const { film, track } = JSON.parse(document.getElementById('data').textContent);
 const [rows, columns] = track.grid;
