@@ -65,7 +65,6 @@ TactorSession::open(const TactorSettings &settings)
     return false;
   }
   last_lead_short_.reset();
-  early_ = std::max(-settings.delay_time(), Time(0));
   // The board's latency is not known yet; that of the last play may well hold.
   gst_base_sink_set_render_delay(
       sink_,

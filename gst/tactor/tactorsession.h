@@ -72,7 +72,6 @@ private:
   mutable TactorTiming timing_{ nullptr, 0 };
   mutable GstClockTimeDiff delay_ = 0; ///< latency + ts-offset + the user's
   std::atomic<GstClockTimeDiff> users_delay_{ 0 };
-  tactor::Time early_{ 0 }; ///< a negative delay, as it was at the start
   TactorGrid grid_;
   std::optional<tactor::Time> last_lead_short_; ///< streaming thread only
   TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first

@@ -235,7 +235,7 @@ run(const Options &options)
   std::error_code error;
   std::string tracks = options.tracks.text();
   if (std::filesystem::is_directory(tracks, error))
-    tracks = std::filesystem::absolute(tracks, error).string(); // programs ask for it on the bus
+    tracks = std::filesystem::absolute(tracks, error).string(); // as programs read it on the bus
   else if (std::filesystem::exists(tracks, error))
     throw std::runtime_error("'" + tracks
                              + "' is not a folder; expected a folder or an address for --tracks");
