@@ -350,12 +350,12 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// Hands a setting to the scheduler, and again if another thread changes it meanwhile: the last
-/// value of the scheduler is that of the property.
-template <class Value>
+/// Hands a setting to its user, and again if another thread changes it meanwhile: the last value
+/// there is that of the property.
+template <class User, class Value>
 static void
-gst_tactor_sink_apply(GstTactorSink *self, Value (TactorSettings::*read)() const,
-                      void (TactorScheduler::*set)(Value))
+gst_tactor_sink_apply(GstTactorSink *self, User &user, Value (TactorSettings::*read)() const,
+                      void (User::*set)(Value))
 {
   for (std::optional<Value> applied;;) {
     GST_OBJECT_LOCK(self);
@@ -363,7 +363,7 @@ gst_tactor_sink_apply(GstTactorSink *self, Value (TactorSettings::*read)() const
     GST_OBJECT_UNLOCK(self);
     if (applied == value)
       return;
-    (scheduler_of(self).*set)(value);
+    (user.*set)(value);
     applied = value;
   }
 }
@@ -373,8 +373,10 @@ gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
-  gst_tactor_sink_apply(self, &TactorSettings::is_silent, &TactorScheduler::set_muted);
-  gst_tactor_sink_apply(self, &TactorSettings::ramp_in_time, &TactorScheduler::set_ramp_in);
+  gst_tactor_sink_apply(self, scheduler_of(self), &TactorSettings::is_silent,
+                        &TactorScheduler::set_muted);
+  gst_tactor_sink_apply(self, scheduler_of(self), &TactorSettings::ramp_in_time,
+                        &TactorScheduler::set_ramp_in);
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
@@ -458,15 +460,6 @@ gst_tactor_sink_settings(GObject *object)
 }
 
 static void
-gst_tactor_sink_apply_delay(GstTactorSink *self)
-{
-  GST_OBJECT_LOCK(self);
-  const Time delay = self->priv->settings.delay_time();
-  GST_OBJECT_UNLOCK(self);
-  self->priv->session.set_delay(delay);
-}
-
-static void
 gst_tactor_sink_property_changed(GObject *object, std::string_view name)
 {
   GstTactorSink *self = GST_TACTOR_SINK(object);
@@ -477,11 +470,14 @@ gst_tactor_sink_property_changed(GObject *object, std::string_view name)
     GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
                         (nullptr));
   else if (name == "mute" || name == "intensity")
-    gst_tactor_sink_apply(self, &TactorSettings::is_silent, &TactorScheduler::set_muted);
+    gst_tactor_sink_apply(self, scheduler_of(self), &TactorSettings::is_silent,
+                          &TactorScheduler::set_muted);
   else if (name == "delay")
-    gst_tactor_sink_apply_delay(self);
+    gst_tactor_sink_apply(self, self->priv->session, &TactorSettings::delay_time,
+                          &TactorSession::set_delay);
   else if (name == "ramp-in")
-    gst_tactor_sink_apply(self, &TactorSettings::ramp_in_time, &TactorScheduler::set_ramp_in);
+    gst_tactor_sink_apply(self, scheduler_of(self), &TactorSettings::ramp_in_time,
+                          &TactorScheduler::set_ramp_in);
 }
 
 static void

@@ -2,9 +2,9 @@
 #include "chair/settings_file.h"
 
 #include "files/regular_file.h"
+#include "files/replace.h"
 
 #include <cerrno>
-#include <cstdlib>
 
 #include <fcntl.h>
 #include <glib/gstdio.h>
@@ -152,8 +152,11 @@ SettingsFile::unset(const std::string &section, const std::string &key)
 static std::string
 waiting_section(const std::string &driver, const std::string &device)
 {
-  g_autofree gchar *name = g_uri_escape_string(device.c_str(), " /@:", TRUE);
-  return "device " + driver + (device.empty() ? "" : " ") + name;
+  const auto escaped = [](const std::string &name) {
+    g_autofree gchar *text = g_uri_escape_string(name.c_str(), " /@:", TRUE);
+    return std::string(text);
+  };
+  return "device " + escaped(driver) + (device.empty() ? "" : " " + escaped(device));
 }
 
 /// Those of the device; in `to` are no others afterwards.
@@ -188,21 +191,13 @@ SettingsFile::use(const std::string &driver, const std::string &device)
     set(kEveryProgram, "device", device);
 }
 
-/// The file that is written: a link is kept.
-static std::string
-target_of(const std::string &path)
-{
-  const std::unique_ptr<char, void (*)(void *)> target(realpath(path.c_str(), nullptr), std::free);
-  return target ? target.get() : path;
-}
-
 tl::expected<void, std::string>
 SettingsFile::save() const
 {
   g_autoptr(GError) error = nullptr;
   if (!make_settings_folder(path_))
     return cannot_make(path_);
-  if (!g_key_file_save_to_file(file_.get(), target_of(path_).c_str(), &error))
+  if (!g_key_file_save_to_file(file_.get(), files::target_of(path_).c_str(), &error))
     return Error("cannot write the settings '" + path_ + "': " + error->message);
   return {};
 }

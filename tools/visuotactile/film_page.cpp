@@ -114,7 +114,8 @@ FilmPage::play(bool example)
                        { .line = {},
                          .told =
                              [this](const std::string &line) {
-                               if (!line.starts_with("the motors are simulated"))
+                               // a warning where a device is there that cannot be used
+                               if (line.find("the motors are simulated") == std::string::npos)
                                  return;
                                simulated_ = true;
                                shared_.show_state();
