@@ -105,7 +105,7 @@ said "expected --device to name a sound card, got 'Nothing'; found 'Bass Shakers
 expect 2 "$PLAY" --driver=shaker
 said "--driver is one of auto, firmata"
 expect 2 "$PLAY" --driver=audio --compensation=none
-said "with --driver=audio it is always exact"
+said "has no effect with --driver=audio, which always compensates exactly"
 expect 2 "$PLAY" --feel-test film.mkv
 said "--feel-test plays no film"
 echo "each device is felt"
