@@ -109,8 +109,8 @@ if [ ${#wrapper[@]} -gt 0 ] && [ $# -eq 0 ]; then
   set -- "${names[@]}"
 fi
 
-# Most tests wait for a clock or a device rather than compute: three times as many as processors.
-processes=$((3 * $(nproc)))
+# Most tests wait for a clock or a device rather than compute: twice as many as processors.
+processes=$((2 * $(nproc)))
 
 # The last lines are meson's, then one in a form that any CI reads.
 log=$(mktemp)
