@@ -260,6 +260,8 @@ check_moved_wait(const std::function<void(GstElement *)> &later)
   });
   rig.run_to(250 * kMs);
   later(rig.element);
+  rig.run_to(800 * kMs); // without the 500 ms, it would be issued at 360
+  ck_assert_uint_eq(rig.stat("issued"), 0);
   rig.run_to(1000 * kMs);
   const std::vector<Line> lines = rig.trace();
   fail_unless(lines.size() >= 1);
