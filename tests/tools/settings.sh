@@ -107,6 +107,8 @@ wc -l <said | cmp - lines || fail "the help in German has other parts: $(cat sai
 expect 2 use gamepad
 expect 2 use device=x
 expect 2 use driver=gamepad mute=true
+expect 2 use driver=nope
+expect 2 set driver=nope
 rm "$file"
 
 # ---- what is there ----

@@ -4,6 +4,7 @@
 #include "chair/settings.h"
 #include "chair/settings_file.h"
 #include "film/command_line.h"
+#include "film/known_driver.h"
 #include "house/switches.h"
 
 #include <algorithm>
@@ -66,6 +67,8 @@ pair_of(const std::string &argument)
   if (!chair::takes(key, value))
     throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"
                      + value + "'");
+  if (std::string_view(key.name) == "driver")
+    expect_driver(value, chair::kShakers);
   return { key.name, std::move(value) };
 }
 
