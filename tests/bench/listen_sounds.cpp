@@ -202,6 +202,8 @@ std::vector<Pool::Piece>
 Pool::pieces(int number, double seconds) const
 {
   constexpr double kSame = 0.02;  // of the speed
+  // As they are, and where one or both are heard at 25/24 of their speed, or at 24/25.
+  constexpr std::array kPlayed = { 1.0, 24.0 / 25, 24.0 * 24 / 25 / 25 };
   constexpr double kEffect = 3;   // s: longest
   constexpr int kTries = 1000;
   Random random((seed_ + static_cast<std::uint64_t>(number)) * 7919 + 1);
@@ -215,10 +217,8 @@ Pool::pieces(int number, double seconds) const
           || other.begin > one.begin + static_cast<double>(one.count) * one.speed
           || one.begin > other.begin + static_cast<double>(other.count) * other.speed)
         return false;
-      // As they are, and when one or both are heard at 25/24 of their speed, or at 24/25.
-      const double ratio = std::max(one.speed, other.speed) / std::min(one.speed, other.speed);
-      return std::ranges::any_of(std::array{ 1.0, 24.0 / 25, 24.0 * 24 / 25 / 25 },
-                                 [&](double played) { return std::abs(ratio * played - 1) < kSame; });
+      return std::ranges::any_of(
+          kPlayed, [&](double played) { return std::abs(ratio * played - 1) < kSame; });
     };
     return std::ranges::any_of(made, clashes)
            || std::ranges::any_of(
