@@ -201,10 +201,10 @@ Pool::Pool(const std::string &folder, int titles, double seconds, std::uint64_t 
 std::vector<Pool::Piece>
 Pool::pieces(int number, double seconds) const
 {
-  constexpr double kSame = 0.02;  // of the speed
+  constexpr double kSame = 0.02; // of the speed
   // As they are, and where one or both are heard at 25/24 of their speed, or at 24/25.
   constexpr std::array kPlayed = { 1.0, 24.0 / 25, 24.0 * 24 / 25 / 25 };
-  constexpr double kEffect = 3;   // s: longest
+  constexpr double kEffect = 3; // s: longest
   constexpr int kTries = 1000;
   Random random((seed_ + static_cast<std::uint64_t>(number)) * 7919 + 1);
   const bool others = number >= kOthers;
@@ -217,6 +217,7 @@ Pool::pieces(int number, double seconds) const
           || other.begin > one.begin + static_cast<double>(one.count) * one.speed
           || one.begin > other.begin + static_cast<double>(other.count) * other.speed)
         return false;
+      const double ratio = std::max(one.speed, other.speed) / std::min(one.speed, other.speed);
       return std::ranges::any_of(
           kPlayed, [&](double played) { return std::abs(ratio * played - 1) < kSame; });
     };

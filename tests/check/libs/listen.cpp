@@ -157,8 +157,12 @@ CHECK_TEST(test_first_peaks)
     for (int tone = 1; tone <= 6; tone++)
       sound[i] += static_cast<float>(0.1 * std::sin(2 * std::numbers::pi * 500 * tone * time));
   }
-  const auto middle = [](int pip) { return 0.2 + 0.1 * pip; };
-  const auto hertz = [](int pip) { return 500.0 * (1 + pip % 6) + 62.5; };
+  const auto middle = [](int pip) {
+    return 0.2 + 0.1 * pip;
+  };
+  const auto hertz = [](int pip) {
+    return 500.0 * (1 + pip % 6) + 62.5;
+  };
   for (int pip = 0; pip < kPips; pip++)
     for (int i = -240; i < 240; i++) // 60 ms
       sound[static_cast<std::size_t>(std::lround(middle(pip) * listen::kRate) + i)]
