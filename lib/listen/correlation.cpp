@@ -15,7 +15,8 @@ reference_steps(std::size_t onsets, double rate, int reach)
 }
 
 Fit
-fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate, int reach)
+fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate, int reach,
+    int near)
 {
   const std::size_t steps = reference_steps(onsets.size(), rate, reach);
   const auto places = static_cast<std::size_t>(2 * reach + 1);
@@ -42,7 +43,9 @@ fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, doub
       for (std::size_t place = 0; place < places; place++)
         sums[place] += onsets[n][band] * of(n)[place];
   }
-  const auto best = static_cast<std::size_t>(std::ranges::max_element(sums) - sums.begin());
+  const auto best = static_cast<std::size_t>(
+      std::max_element(sums.begin() + reach - near, sums.begin() + reach + near + 1)
+      - sums.begin());
   double mean = 0;
   double power = 0;
   int count = 0;

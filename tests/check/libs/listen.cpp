@@ -140,7 +140,7 @@ CHECK_TEST(test_delay)
     onsets.erase(onsets.begin(), onsets.begin() + 100); // of the cut
     onsets.resize(1000);
     const auto window = std::span(reference).subspan(250 + 100 - 60);
-    const listen::Fit fit = listen::fit(listen::weighted(onsets), window, 1, 60);
+    const listen::Fit fit = listen::fit(listen::weighted(onsets), window, 1, 60, 60);
     const double samples = (60 - fit.step) * listen::Onsets::kHop;
     fail_unless(std::abs(samples - delay) < 1 && fit.score > 15, "%d samples: %.2f, score %.1f",
                 delay, samples, fit.score);
