@@ -20,8 +20,8 @@ inline constexpr int kPeakWidth = 8;
 
 /// Correlates changes of onsets, weighted(), with a reference, the signs() of a film's onsets.
 /// `rate`: steps of the reference for one of the onsets. The reference has
-/// reference_steps(onsets.size(), rate, reach) steps, of which those at most `near` from `reach` are
-/// places, and the others show chance.
+/// reference_steps(onsets.size(), rate, reach) steps. Those at most `near` from `reach` are places,
+/// the others show chance.
 Fit fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate,
         int reach, int near);
 

@@ -12,10 +12,14 @@ namespace {
 
 // Scores. Chance reaches 4.6 in one of ten searches, 5.3 in one of a hundred, 6.1 in one of 2000.
 constexpr double kHopeful = 4.4;
-constexpr double kSure = 5.5;
-constexpr double kNewSure = 3.2;                  ///< of the newer sound, at this place
+constexpr double kSure = 6;
+constexpr double kNewSure = 3;                    ///< of the newer sound, at this place
 constexpr std::int64_t kNew = Onsets::kOnsetRate; ///< steps: 1 s
-constexpr double kAlike = 0.8;                    ///< of the best one: another place is as good
+constexpr double kCertain = 7;                    ///< without newer sound, if it stands alone
+// Of the best score: another place that reaches it is as good.
+constexpr double kAlike = 0.8;
+constexpr double kRepeated = 0.75; ///< of the same film, as where music repeats itself
+constexpr double kAlone = 0.6;     ///< of any film
 constexpr std::size_t kMostHopes = 12;
 
 } // namespace
@@ -44,13 +48,22 @@ Decision::take(std::span<const Candidate> found, std::int64_t now, const Newer &
     hopes.push_back(known != hopes_.end() ? *known : Hope{ .candidate = one, .since = now });
   }
   hopes_ = std::move(hopes);
-  if (hopes_.empty() || sorted.front().score < kSure || now - hopes_.front().since < kNew)
+  if (hopes_.empty() || sorted.front().score < kSure)
     return std::nullopt;
   const Candidate &best = sorted.front();
-  const bool is_one_of_many = std::ranges::any_of(sorted, [&](const Candidate &one) {
-    return !one.is_at(best) && one.score > kAlike * best.score;
-  });
-  if (is_one_of_many || newer(best, hopes_.front().since) < kNewSure)
+  double other = 0;
+  double same_film = 0;
+  for (const Candidate &one : sorted)
+    if (!one.is_at(best)) {
+      other = std::max(other, one.score / best.score);
+      if (one.film == best.film)
+        same_film = std::max(same_film, one.score / best.score);
+    }
+  if (other > kAlike || same_film > kRepeated)
+    return std::nullopt;
+  const std::int64_t since = hopes_.front().since;
+  if ((best.score < kCertain || other > kAlone)
+      && (now - since < kNew || newer(best, since) < kNewSure))
     return std::nullopt;
   hopes_.clear();
   return best;

@@ -25,7 +25,8 @@ struct Candidate
 
 /// Decides whether the film is at one of the places that searches find. A place is believed if its
 /// score is high and that of all others is lower, and if the sound that was heard since it was
-/// found first fits as well: this sound had no part in the choice of the place. Reads no clock.
+/// found first fits as well: this sound had no part in the choice of the place. A very high score
+/// that stands alone is believed at once. Reads no clock.
 class Decision
 {
 public:

@@ -3,7 +3,7 @@
 // Films known by their sound: how soon, how surely and how exactly, in rooms and noise, beside
 // Chromaprint's fingerprints by a sliding match. Tables of docs/measured/listen.md.
 //
-// Usage: listen FOLDER [TITLES [QUERIES [MINUTES [SEED]]]]      FOLDER: sounds, see listen_sounds.h;
+// Usage: listen FOLDER [TITLES [QUERIES [MINUTES [SEED]]]]      FOLDER: see listen_sounds.h;
 //          QUERIES: a row; MINUTES: of each sound that is in no entry; SEED: of other titles
 //        listen --among FILMS FOLDER TITLES QUERIES      titles among so many films of two hours
 //        listen --search FILE FILMS      a search in so many films of two hours; FILE: see sizes()

@@ -182,14 +182,22 @@ Pool::Pool(const std::string &folder, int titles, double seconds, std::uint64_t 
       paths.push_back(entry.path());
   std::ranges::sort(paths);
   std::size_t count = 0;
+  std::size_t games = 0;
+  std::string game;
   for (const auto &path : paths) {
     const std::string name = path.filename().string();
-    if (name.starts_with("music_"))
-      (count++ % 5 == 0 ? other_music_ : music_).push_back(read(path));
-    else if (name.starts_with("speech_"))
+    if (name.starts_with("music_")) {
+      // Tunes of one game may have bars or instruments in common, so that others are of other games.
+      if (game != name.substr(0, name.find("_usr"))) {
+        game = name.substr(0, name.find("_usr"));
+        games++;
+      }
+      (games % 5 == 0 ? other_music_ : music_).push_back(read(path));
+    } else if (name.starts_with("speech_")) {
       (count++ % 4 == 0 ? other_speech_ : speech_).push_back(read(path));
-    else if (name.starts_with("effect_"))
+    } else if (name.starts_with("effect_")) {
       (count++ % 5 == 0 ? other_effects_ : effects_).push_back(read(path));
+    }
   }
   if (music_.empty() || speech_.empty() || effects_.empty())
     throw std::runtime_error("'" + folder

@@ -3,6 +3,7 @@
 // When places that searches find are believed: scores and times are set.
 #include "listen/decision.h"
 
+#include <tuple>
 #include <vector>
 
 #include "support/unwrap.h"
@@ -14,9 +15,9 @@ using listen::Candidate;
 namespace {
 
 constexpr std::int64_t kSecond = 250;
-constexpr Candidate kHere{ .film = 1, .step = 1000, .score = 8 };
-constexpr Candidate kThere{ .film = 2, .step = 500, .score = 8 };
-constexpr Candidate kAgain{ .film = 1, .step = 2750, .score = 8 };
+constexpr Candidate kHere{ .film = 1, .step = 1000, .score = 6.5 };
+constexpr Candidate kThere{ .film = 2, .step = 500, .score = 6.5 };
+constexpr Candidate kAgain{ .film = 1, .step = 2750, .score = 6.5 };
 constexpr Candidate kChance{ .film = 3, .step = 9, .score = 5 };
 
 struct Searches
@@ -64,6 +65,14 @@ CHECK_TEST(test_newer)
   fail_unless(of_chance.finds({ kHere }));
 }
 
+/// At once, unless another place has more than chance's score.
+CHECK_TEST(test_certain)
+{
+  Searches searches{ .of_newer = 1 };
+  fail_unless(searches.finds({ scored(kHere, 9), kChance }) && searches.asked.empty());
+  fail_if(searches.finds({ scored(kHere, 9), scored(kThere, 5.8) }));
+}
+
 /// A place that was seen with a low score counts from then on.
 CHECK_TEST(test_rising)
 {
@@ -79,11 +88,12 @@ CHECK_TEST(test_rising)
 /// Other films, and other places of the film, as where music repeats itself.
 CHECK_TEST(test_alike)
 {
-  for (const Candidate &other : { kThere, kAgain }) {
+  for (const auto &[other, alike, least] :
+       { std::tuple(kThere, 5.3, 5.1), std::tuple(kAgain, 5.0, 4.8) }) {
     Searches searches;
     for (int i = 0; i < 10; i++)
-      fail_if(searches.finds({ scored(other, 7), kHere }), "another place is as good");
-    fail_unless(searches.finds({ scored(other, 5), kHere }));
+      fail_if(searches.finds({ scored(other, alike), kHere }), "another place is as good");
+    fail_unless(searches.finds({ scored(other, least), kHere }));
     Searches both;
     fail_if(both.finds({ kHere }) || both.finds({ kHere }) || both.finds({ kHere, other }));
   }
