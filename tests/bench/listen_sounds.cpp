@@ -187,7 +187,7 @@ Pool::Pool(const std::string &folder, int titles, double seconds, std::uint64_t 
   for (const auto &path : paths) {
     const std::string name = path.filename().string();
     if (name.starts_with("music_")) {
-      // Tunes of one game may have bars or instruments in common, so that others are of other games.
+      // Tunes of a game may have bars or instruments in common, so that others are of other games.
       if (game != name.substr(0, name.find("_usr"))) {
         game = name.substr(0, name.find("_usr"));
         games++;
