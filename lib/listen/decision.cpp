@@ -16,7 +16,7 @@ constexpr double kSure = 6;
 constexpr double kNewSure = 3;                    ///< of the newer sound, at this place
 constexpr std::int64_t kNew = Onsets::kOnsetRate; ///< steps: 1 s
 constexpr double kCertain = 7;                    ///< without newer sound, if it stands alone
-// Of the best score: another place that reaches it is as good.
+// Shares of the best score: another place that reaches one is as good.
 constexpr double kAlike = 0.8;
 constexpr double kRepeated = 0.75; ///< of the same film, as where music repeats itself
 constexpr double kAlone = 0.6;     ///< of any film

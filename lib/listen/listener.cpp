@@ -171,7 +171,7 @@ Listener::search()
   const std::vector<Bands> changes = searched();
   for (const double rate : kRates)
     look_up(rate, changes, found);
-  for (const Candidate &hope : decision_.hopes()) // also where the hashes no longer tell
+  for (const Candidate &hope : decision_.hopes()) // also those that hashes no longer find
     add_place(hope.film, hope.rate, hope.step, changes, found);
   const auto best = decision_.take(found, steps_, [&](const Candidate &place, std::int64_t since) {
     const auto fit = fit_at(place.film, place.rate, place.step, newest(steps_ - since),
