@@ -14,6 +14,11 @@ constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger,
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
+// Where text moves, as much gets brighter as darker within kFine of the blur's σ. A share of up to
+// kOpposite loses nothing; above about 4/5, nothing is left.
+constexpr double kFine = 0.5;
+constexpr float kOpposite = 0.15F;
+constexpr float kLoss = 1.5F;
 // A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
 // while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
@@ -136,7 +141,9 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
       const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
       const float gone = kGone * then.contrast.ptr<float>(py)[px];
       const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
-      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
+      const float weight = std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
+      for (cv::Mat *part : { &map, &brighter_, &darker_ })
+        part->ptr<float>(y)[x] *= weight;
     }
 }
 
@@ -148,10 +155,9 @@ EventMap::reach(cv::Size map)
 
 /// Gaussian, with nothing outside.
 void
-EventMap::blur(cv::Mat &map)
+EventMap::blur(double sigma, cv::Mat &map)
 {
-  const double sigma = blur_sigma(map.size());
-  const int reach = EventMap::reach(map.size());
+  const int reach = static_cast<int>(std::ceil(2.5 * sigma));
   if (sigma != sigma_) {
     sigma_ = sigma;
     weights_.clear();
@@ -188,20 +194,60 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
+/// The change at the level of the map.
+void
+EventMap::pool(const cv::Mat &change, int octaves, cv::Mat &pooled)
+{
+  const cv::Mat *finer = &change;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(octaves); ++i) {
+    reductions_[i](*finer, pooled_[i]);
+    finer = &pooled_[i];
+  }
+  finer->copyTo(pooled);
+}
+
+/// Lowers fine texture that moves, such as text, by `weight`: as much of it gets brighter as
+/// darker, side by side, while a thing has one sign over its size. The outside of the picture
+/// counts as texture.
+void
+EventMap::weigh_coherence(cv::Mat &map, float weight)
+{
+  const double sigma = kFine * blur_sigma(map.size());
+  if (inside_.size() != map.size()) {
+    inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
+    blur(sigma, inside_);
+  }
+  map.copyTo(nearby_);
+  for (cv::Mat *part : { &nearby_, &brighter_, &darker_ })
+    blur(sigma, *part);
+  for (std::size_t i = 0; i < map.total(); ++i) {
+    const float brighter = brighter_.ptr<float>()[i];
+    const float darker = darker_.ptr<float>()[i];
+    const float inside = inside_.ptr<float>()[i];
+    const float opposite
+        = inside * 2 * std::min(brighter, darker) + (1 - inside) * (brighter + darker);
+    const float nearby = nearby_.ptr<float>()[i];
+    if (opposite > kOpposite * nearby)
+      map.ptr<float>()[i] *= 1 - weight * std::min(1.0F, kLoss * (opposite / nearby - kOpposite));
+  }
+}
+
 /// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
-  for (int i = 0; i < look.octaves; ++i) {
-    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
-    pooled = &pooled_[static_cast<std::size_t>(i)];
-  }
-  map.create(look.contrast.size(), CV_32FC1);
+  pool(unexplained_(look.picture, then.lab, before), look.octaves, map);
+  pool(unexplained_.brighter(), look.octaves, brighter_);
+  pool(unexplained_.darker(), look.octaves, darker_);
   for (std::size_t i = 0; i < map.total(); ++i)
-    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
+    if (const float change = map.ptr<float>()[i]; change > kMost)
+      for (cv::Mat *part : { &map, &brighter_, &darker_ })
+        part->ptr<float>()[i] *= kMost / change;
   weigh_onsets(look, then, before, map);
-  blur(map);
+  // Errors of the camera's motion have both signs, too.
+  if (const double way = displacement(before, look.picture.size()); way < kLeastWay)
+    weigh_coherence(map, static_cast<float>(1 - way / kLeastWay));
+  blur(blur_sigma(map.size()), map);
 }
 
 /// A thing that appears is an event for half a second, as long as it stays, before a camera at

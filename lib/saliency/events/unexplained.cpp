@@ -144,7 +144,8 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   find_gradients(lightness);
   const cv::Size size = lightness.size();
   difference_.create(size, CV_32FC1);
-  beyond_.create(size, CV_32FC1);
+  for (cv::Mat *map : { &beyond_, &brighter_, &darker_ })
+    map->create(size, CV_32FC1);
   even_.clear();
   even_.reserve(difference_.total()); // a later picture may have more
   textured_.clear();
@@ -184,7 +185,12 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
     const float texture = slope * around_.ptr<float>()[i];
     const float most = kBeyond * std::sqrt(noise * noise + texture * texture);
     const float beyond = difference_.ptr<float>()[i] - most;
-    beyond_.ptr<float>()[i] = beyond > 0 ? beyond : 0; // also where it is NaN
+    const bool unexplained = beyond > 0; // not where it is NaN
+    beyond_.ptr<float>()[i] = unexplained ? beyond : 0;
+    const float rise = lightness.ptr<float>()[i] - (gain_ * then_[0].ptr<float>()[i] + offset_);
+    const float share = unexplained ? beyond * rise / difference_.ptr<float>()[i] : 0;
+    brighter_.ptr<float>()[i] = std::max(0.0F, share);
+    darker_.ptr<float>()[i] = std::max(0.0F, -share);
   }
   return beyond_;
 }
