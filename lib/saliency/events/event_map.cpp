@@ -141,9 +141,7 @@ EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &
       const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
       const float gone = kGone * then.contrast.ptr<float>(py)[px];
       const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
-      const float weight = std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
-      for (cv::Mat *part : { &map, &brighter_, &darker_ })
-        part->ptr<float>(y)[x] *= weight;
+      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
     }
 }
 
@@ -194,31 +192,34 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
-/// The change at the level of the map.
+/// A change at the level of the map.
 void
 EventMap::pool(const cv::Mat &change, int octaves, cv::Mat &pooled)
 {
   const cv::Mat *finer = &change;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(octaves); ++i) {
-    reductions_[i](*finer, pooled_[i]);
-    finer = &pooled_[i];
+  for (int i = 0; i < octaves; ++i) {
+    cv::Mat &coarser = i + 1 < octaves ? finer_[static_cast<std::size_t>(i)] : pooled;
+    reductions_[static_cast<std::size_t>(i)](*finer, coarser);
+    finer = &coarser;
   }
-  finer->copyTo(pooled);
+  if (octaves == 0)
+    change.copyTo(pooled);
 }
 
 /// Lowers fine texture that moves, such as text, by `weight`: as much of it gets brighter as
 /// darker, side by side, while a thing has one sign over its size. The outside of the picture
 /// counts as texture.
 void
-EventMap::weigh_coherence(cv::Mat &map, float weight)
+EventMap::weigh_coherence(int octaves, float weight, cv::Mat &map)
 {
+  pool(unexplained_.brighter(), octaves, brighter_);
+  pool(unexplained_.darker(), octaves, darker_);
   const double sigma = kFine * blur_sigma(map.size());
   if (inside_.size() != map.size()) {
     inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
     blur(sigma, inside_);
   }
-  map.copyTo(nearby_);
-  for (cv::Mat *part : { &nearby_, &brighter_, &darker_ })
+  for (cv::Mat *part : { &around_, &brighter_, &darker_ })
     blur(sigma, *part);
   for (std::size_t i = 0; i < map.total(); ++i) {
     const float brighter = brighter_.ptr<float>()[i];
@@ -226,9 +227,9 @@ EventMap::weigh_coherence(cv::Mat &map, float weight)
     const float inside = inside_.ptr<float>()[i];
     const float opposite
         = inside * 2 * std::min(brighter, darker) + (1 - inside) * (brighter + darker);
-    const float nearby = nearby_.ptr<float>()[i];
-    if (opposite > kOpposite * nearby)
-      map.ptr<float>()[i] *= 1 - weight * std::min(1.0F, kLoss * (opposite / nearby - kOpposite));
+    const float all = around_.ptr<float>()[i];
+    if (opposite > kOpposite * all)
+      map.ptr<float>()[i] *= 1 - weight * std::min(1.0F, kLoss * (opposite / all - kOpposite));
   }
 }
 
@@ -236,17 +237,14 @@ EventMap::weigh_coherence(cv::Mat &map, float weight)
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  pool(unexplained_(look.picture, then.lab, before), look.octaves, map);
-  pool(unexplained_.brighter(), look.octaves, brighter_);
-  pool(unexplained_.darker(), look.octaves, darker_);
+  pool(unexplained_(look.picture, then.lab, before), look.octaves, around_);
+  map.create(look.contrast.size(), CV_32FC1);
   for (std::size_t i = 0; i < map.total(); ++i)
-    if (const float change = map.ptr<float>()[i]; change > kMost)
-      for (cv::Mat *part : { &map, &brighter_, &darker_ })
-        part->ptr<float>()[i] *= kMost / change;
+    map.ptr<float>()[i] = std::min(kMost, around_.ptr<float>()[i]);
   weigh_onsets(look, then, before, map);
   // Errors of the camera's motion have both signs, too.
   if (const double way = displacement(before, look.picture.size()); way < kLeastWay)
-    weigh_coherence(map, static_cast<float>(1 - way / kLeastWay));
+    weigh_coherence(look.octaves, static_cast<float>(1 - way / kLeastWay), map);
   blur(blur_sigma(map.size()), map);
 }
 

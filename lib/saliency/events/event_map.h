@@ -83,7 +83,7 @@ private:
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void pool(const cv::Mat &change, int octaves, cv::Mat &pooled);
-  void weigh_coherence(cv::Mat &map, float weight);
+  void weigh_coherence(int octaves, float weight, cv::Mat &map);
   void blur(double sigma, cv::Mat &map);
 
   static constexpr std::size_t kMostPictures = 36;
@@ -93,11 +93,11 @@ private:
   Unexplained unexplained_;
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
-  std::array<cv::Mat, 3> pooled_;
-  cv::Mat brighter_; ///< the share of the map where lightness rises
+  std::array<cv::Mat, 2> finer_;
+  cv::Mat around_; ///< the change around each sample, and the shares of lightness in it
+  cv::Mat brighter_;
   cv::Mat darker_;
-  cv::Mat nearby_; ///< the change around each sample
-  cv::Mat inside_; ///< the part of what is around each sample
+  cv::Mat inside_; ///< the part of the surroundings within the picture
   float change_ = 0;
   double sigma_ = 0; ///< of the weights, in samples
   std::vector<float> weights_;
