@@ -75,8 +75,18 @@ class Offset:
         self._fit(now)
         self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED) and min(self._trips()) <= LONGEST
 
+    @property
+    def hindrance(self):
+        """Why it has not settled, in words."""
+        trips = self._trips()
+        if not trips:
+            return "no answer"
+        if min(trips) > LONGEST:
+            return f"expected answers within {LONGEST / 1e6:.0f} ms, the quickest took {min(trips) / 1e6:.1f} ms"
+        return f"expected {SETTLED / 1e6} ms of uncertainty, got {self.uncertainty / 1e6:.1f} ms from {len(trips)} answers"
+
     def _trips(self):
-        return [most - least for _, most, least in self.exchanges]
+        return [most - least for _, most, least in list(self.exchanges)]  # which its thread extends meanwhile
 
     def _fit(self, now):
         """Fits the line with the greatest distance from all bounds."""
@@ -132,8 +142,8 @@ class Follower:
         self.offset = Offset()
         try:
             self.family, _, _, _, self.address = socket.getaddrinfo(server, port, type=socket.SOCK_DGRAM)[0]
-        except OSError as error:
-            raise SystemExit(f"expected the server's address or name, got '{server}': {error.strerror}") from error
+        except (OSError, UnicodeError) as error:
+            raise SystemExit(f"expected the server's address or name, got '{server}': {error}") from error
         threading.Thread(target=self._follow, daemon=True).start()
 
     def _exchange(self, line, seconds):
