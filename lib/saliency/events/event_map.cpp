@@ -210,10 +210,11 @@ EventMap::pool(const cv::Mat &change, int octaves, cv::Mat &pooled)
 /// darker, side by side, while a thing has one sign over its size. The outside of the picture
 /// counts as texture.
 void
-EventMap::weigh_coherence(int octaves, float weight, cv::Mat &map)
+EventMap::weigh_coherence(const Look &look, float weight, cv::Mat &map)
 {
-  pool(unexplained_.brighter(), octaves, brighter_);
-  pool(unexplained_.darker(), octaves, darker_);
+  unexplained_.split(look.picture, rises_, falls_);
+  pool(rises_, look.octaves, brighter_);
+  pool(falls_, look.octaves, darker_);
   const double sigma = kFine * blur_sigma(map.size());
   if (inside_.size() != map.size()) {
     inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
@@ -244,7 +245,7 @@ EventMap::compare(const Look &look, const Picture &then, const Similarity &befor
   weigh_onsets(look, then, before, map);
   // Errors of the camera's motion have both signs, too.
   if (const double way = displacement(before, look.picture.size()); way < kLeastWay)
-    weigh_coherence(look.octaves, static_cast<float>(1 - way / kLeastWay), map);
+    weigh_coherence(look, static_cast<float>(1 - way / kLeastWay), map);
   blur(blur_sigma(map.size()), map);
 }
 

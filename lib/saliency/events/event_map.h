@@ -83,7 +83,7 @@ private:
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
   void pool(const cv::Mat &change, int octaves, cv::Mat &pooled);
-  void weigh_coherence(int octaves, float weight, cv::Mat &map);
+  void weigh_coherence(const Look &look, float weight, cv::Mat &map);
   void blur(double sigma, cv::Mat &map);
 
   static constexpr std::size_t kMostPictures = 36;
@@ -94,6 +94,8 @@ private:
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 2> finer_;
+  cv::Mat rises_; ///< of lightness
+  cv::Mat falls_;
   cv::Mat around_; ///< the change around each sample, and the shares of lightness in it
   cv::Mat brighter_;
   cv::Mat darker_;

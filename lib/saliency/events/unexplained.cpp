@@ -144,8 +144,7 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   find_gradients(lightness);
   const cv::Size size = lightness.size();
   difference_.create(size, CV_32FC1);
-  for (cv::Mat *map : { &beyond_, &brighter_, &darker_ })
-    map->create(size, CV_32FC1);
+  beyond_.create(size, CV_32FC1);
   even_.clear();
   even_.reserve(difference_.total()); // a later picture may have more
   textured_.clear();
@@ -185,14 +184,25 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
     const float texture = slope * around_.ptr<float>()[i];
     const float most = kBeyond * std::sqrt(noise * noise + texture * texture);
     const float beyond = difference_.ptr<float>()[i] - most;
-    const bool unexplained = beyond > 0; // not where it is NaN
-    beyond_.ptr<float>()[i] = unexplained ? beyond : 0;
-    const float rise = lightness.ptr<float>()[i] - (gain_ * then_[0].ptr<float>()[i] + offset_);
-    const float share = unexplained ? beyond * rise / difference_.ptr<float>()[i] : 0;
-    brighter_.ptr<float>()[i] = std::max(0.0F, share);
-    darker_.ptr<float>()[i] = std::max(0.0F, -share);
+    beyond_.ptr<float>()[i] = beyond > 0 ? beyond : 0; // also where it is NaN
   }
   return beyond_;
+}
+
+void
+Unexplained::split(const LabImage &now, cv::Mat &brighter, cv::Mat &darker) const
+{
+  for (cv::Mat *map : { &brighter, &darker }) {
+    map->create(beyond_.size(), CV_32FC1);
+    std::fill_n(map->ptr<float>(), map->total(), 0.0F);
+  }
+  for (std::size_t i = 0; i < beyond_.total(); ++i)
+    if (const float beyond = beyond_.ptr<float>()[i]; beyond > 0) {
+      const float then = gain_ * then_[0].ptr<float>()[i] + offset_;
+      const float rise = now.lightness().ptr<float>()[i] - then;
+      (rise > 0 ? brighter : darker).ptr<float>()[i]
+          = beyond * std::abs(rise) / difference_.ptr<float>()[i];
+    }
 }
 
 } // namespace saliency

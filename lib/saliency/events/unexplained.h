@@ -27,16 +27,9 @@ public:
   /// Returns the part of ΔE above the noise (CV_32FC1, ≥ 0); 0 outside of `then`.
   const cv::Mat &operator()(const LabImage &now, const LabImage &then, const Similarity &before);
 
-  /// The share of lightness in it, where lightness rises and where it falls: their sum is the
-  /// whole where no color changes.
-  const cv::Mat &brighter() const
-  {
-    return brighter_;
-  }
-  const cv::Mat &darker() const
-  {
-    return darker_;
-  }
+  /// The shares of lightness in it that rise and fall: their sum is the whole where no color
+  /// changes. `now` is the last call's.
+  void split(const LabImage &now, cv::Mat &brighter, cv::Mat &darker) const;
 
   /// The difference at textured places in the last pictures, in samples of displacement: about .03
   /// with a hand-held camera, .2 with one that travels.
@@ -62,8 +55,6 @@ private:
   std::vector<float> textured_;
   float misfit_ = 0;
   cv::Mat beyond_;
-  cv::Mat brighter_;
-  cv::Mat darker_;
 };
 
 } // namespace saliency
