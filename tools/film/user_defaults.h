@@ -31,8 +31,8 @@ public:
   /// After that: `grid`, which belongs to the driver, too, for sides that are `not_given`.
   void fill_grid(gint &rows, gint &columns, gint not_given);
 
-  /// After the command line: prints which settings apply, unless none does.
-  void print() const;
+  /// After the command line: prints the driver, its reason, and which settings apply.
+  void print(const std::string &driver) const;
 
 private:
   struct Filled

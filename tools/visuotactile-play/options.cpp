@@ -158,7 +158,7 @@ read_command_line(int argc, char **argv, Options &options)
   defaults.keep_to_driver(options.driver.text());
   defaults.fill_grid(options.rows, options.columns, kOfDevice);
   if (!options.common.quiet && !options.list_devices && !options.release_boards)
-    defaults.print();
+    defaults.print(options.driver.text());
 }
 
 ChosenDevice
