@@ -27,12 +27,13 @@ says() {
 
 # all LINE [OPTION]: of the programs
 all() {
-  local line=$1
+  local line=$1 calibrated=${1/, intensity=0.5/} # which is not its
+  calibrated=${calibrated/; settings of the user: intensity=0.5/}
   shift
   says "visuotactile-play: $line" "$PLAY" --no-window --print-pipeline "$@"
   says "visuotactile-follow: $line" "$FOLLOW" --mpv="$work/mpv.sock" "$@"
   says "tactile-track desk: $line" "$TRACK" desk --no-browser none.mkv "$@"
-  says "tactor-calibrate: $line" "$CALIBRATE" measure --source=none "$@" out
+  says "tactor-calibrate: $calibrated" "$CALIBRATE" measure --source=none "$@" out
 }
 # sink LINE [PROPERTY]: of visuotactilesink
 sink() {

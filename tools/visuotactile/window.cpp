@@ -20,10 +20,10 @@ namespace {
 constexpr const char *kStyle = R"(
 .motor { min-width: 40px; padding: 0 10px; min-height: 32px; border-radius: 22px; }
 .motor.felt { background: #c01c28; color: white; }
-.missing { color: #c64600; }
+.missing { background: #f9f06b; color: #241f31; padding: 6px; border-radius: 6px; }
 .off { min-height: 56px; font-weight: bold; }
 .off:checked { background: #c01c28; color: white; }
-.complaint { color: #c01c28; }
+.complaint { background: #c01c28; color: white; padding: 6px; border-radius: 6px; }
 .player { padding: 8px 12px; }
 )";
 
