@@ -75,8 +75,18 @@ class Offset:
         self._fit(now)
         self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED) and min(self._trips()) <= LONGEST
 
+    @property
+    def hindrance(self):
+        """Why it has not settled, in words."""
+        trips = self._trips()
+        if not trips:
+            return "no answer"
+        if min(trips) > LONGEST:
+            return f"expected answers within {LONGEST / 1e6:.0f} ms, the quickest took {min(trips) / 1e6:.0f} ms"
+        return f"{len(trips)} answers so far"
+
     def _trips(self):
-        return [most - least for _, most, least in self.exchanges]
+        return [most - least for _, most, least in list(self.exchanges)]  # which its thread extends meanwhile
 
     def _fit(self, now):
         """Fits the line with the greatest distance from all bounds."""

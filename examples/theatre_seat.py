@@ -73,7 +73,7 @@ def make(options):
     """The pipeline, with the network's clock; running time is that clock's time."""
     follower = None if options.ptp is not None else theatre_clock.Follower(options.server, options.clock_port)
     while follower and not follower.settled.wait(10):
-        print(f"waiting for the clock of {options.server}", flush=True)
+        print(f"waiting for the clock of {options.server}: {follower.offset.hindrance}", flush=True)
     clock = follower.clock if follower else theatre.ptp_clock(options.ptp)
 
     address = theatre.own_address(options.server) if options.unicast else options.group

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Reports of the seats to the server: how many are there, and how many of them are late."""
-import contextlib
+import queue
 import socket
 import struct
+import threading
 
 REPORT = struct.Struct(">4sIQ?")  # MAGIC, a number that the seat drew, commands that were late since its start, whether its clock is settled
 MAGIC = b"seat"
@@ -36,20 +37,32 @@ class Seats:
 
 
 class Line:
-    """Sends to the server, as soon as a network leads there, and never blocks."""
+    """Sends to the server, as soon as a network leads there. A thread of its own waits for names and networks."""
 
     def __init__(self, server, port):
-        self.server, self.port, self.socket = server, port, None
+        self.server, self.port = server, port
+        self.packets = queue.SimpleQueue()
+        threading.Thread(target=self._send, daemon=True).start()
 
     def send(self, packet):
-        with contextlib.suppress(OSError):  # no network, no such name, or no server yet
-            if not self.socket:
-                kind, _, _, _, address = socket.getaddrinfo(self.server, self.port, type=socket.SOCK_DGRAM)[0]
-                line = socket.socket(kind, socket.SOCK_DGRAM)
-                line.setblocking(False)
-                line.connect(address)
-                self.socket = line
-            self.socket.send(packet)
+        self.packets.put(packet)
+
+    def _send(self):
+        line = None
+        while True:
+            packet = self.packets.get()
+            while not self.packets.empty():
+                packet = self.packets.get()
+            try:
+                if not line:
+                    kind, _, _, _, address = socket.getaddrinfo(self.server, self.port, type=socket.SOCK_DGRAM)[0]
+                    line = socket.socket(kind, socket.SOCK_DGRAM)
+                    line.connect(address)
+                line.send(packet)
+            except OSError:  # no such name, no network, another one than before, or no server yet
+                if line:
+                    line.close()
+                line = None
 
 
 def lines_at(addresses, port):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Shows a film and sends its tactile maps to the seats of a theatre."""
 import argparse
+import contextlib
 import sys
 import time
 
@@ -49,26 +50,28 @@ def sender(number, own, clients, latency):
 
 
 def hear_seats(own, port):
-    """Prints how many seats there are, and how many of them are late, whenever that changes."""
+    """Prints how many seats there are, and how many of them are late, whenever that changes. Returns what is known of them."""
     seats, told = theatre_seats.Seats(), (0, 0)
-    lines = theatre_seats.lines_at(own, port)
+
+    def read(line, _condition):
+        # As soon as reports come: a socket keeps only some hundreds of them.
+        with contextlib.suppress(OSError):
+            for _ in range(theatre_seats.MOST):
+                seats.add(time.monotonic(), line.recv(64))
+        return True
 
     def tell():
         nonlocal told
-        for line in lines:
-            for _ in range(theatre_seats.MOST):
-                try:
-                    packet = line.recv(64)
-                except OSError:
-                    break
-                seats.add(time.monotonic(), packet)
         now = seats.count(time.monotonic())
         if now != told:
             print("seats: %d, late: %d" % now, flush=True)
         told = now
         return True
 
+    for line in theatre_seats.lines_at(own, port):
+        GLib.io_add_watch(line, GLib.PRIORITY_DEFAULT, GLib.IO_IN, read)
     GLib.timeout_add_seconds(1, tell)
+    return seats
 
 
 def main():

@@ -490,13 +490,14 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
 
-  transform_class->set_caps = gst_saliency_tactile_set_caps;
-  transform_class->sink_event = gst_saliency_tactile_sink_event;
-  transform_class->src_event = gst_saliency_tactile_src_event;
-  transform_class->start = gst_saliency_tactile_start;
-  transform_class->stop = gst_saliency_tactile_stop;
-  transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;
-  transform_class->transform_ip = gst_saliency_tactile_transform_ip;
+  transform_class->set_caps = GST_DEBUG_FUNCPTR(gst_saliency_tactile_set_caps);
+  transform_class->sink_event = GST_DEBUG_FUNCPTR(gst_saliency_tactile_sink_event);
+  transform_class->src_event = GST_DEBUG_FUNCPTR(gst_saliency_tactile_src_event);
+  transform_class->start = GST_DEBUG_FUNCPTR(gst_saliency_tactile_start);
+  transform_class->stop = GST_DEBUG_FUNCPTR(gst_saliency_tactile_stop);
+  transform_class->prepare_output_buffer
+      = GST_DEBUG_FUNCPTR(gst_saliency_tactile_prepare_output_buffer);
+  transform_class->transform_ip = GST_DEBUG_FUNCPTR(gst_saliency_tactile_transform_ip);
   // Passthrough leaves caps, ALLOCATION and pools to the neighbors; transform_ip still gets every
   // frame.
   transform_class->transform_ip_on_passthrough = TRUE;

@@ -263,12 +263,12 @@ gst_tactile_sound_test_src_class_init(GstTactileSoundTestSrcClass *klass)
   object_class->finalize = gst_tactile_sound_test_src_finalize;
   properties::install<SoundSettings>(object_class, kProperties,
                                      { gst_tactile_sound_test_src_settings });
-  base_class->fixate = gst_tactile_sound_test_src_fixate;
-  base_class->set_caps = gst_tactile_sound_test_src_set_caps;
-  base_class->start = gst_tactile_sound_test_src_start;
-  base_class->stop = gst_tactile_sound_test_src_stop;
-  base_class->is_seekable = gst_tactile_sound_test_src_is_seekable;
-  base_class->do_seek = gst_tactile_sound_test_src_do_seek;
+  base_class->fixate = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_fixate);
+  base_class->set_caps = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_set_caps);
+  base_class->start = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_start);
+  base_class->stop = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_stop);
+  base_class->is_seekable = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_is_seekable);
+  base_class->do_seek = GST_DEBUG_FUNCPTR(gst_tactile_sound_test_src_do_seek);
   GST_PUSH_SRC_CLASS(klass)->create = gst_tactile_sound_test_src_create;
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(element_class, "Tactile sound test source", "Source/Audio",

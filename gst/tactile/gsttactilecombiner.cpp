@@ -541,15 +541,16 @@ gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
                                         "Puts a track's tactile maps on a film's frames",
                                         "The visuotactile authors");
 
-  aggregator_class->aggregate = gst_tactile_combiner_aggregate;
-  aggregator_class->create_new_pad = gst_tactile_combiner_create_new_pad;
-  aggregator_class->sink_event_pre_queue = gst_tactile_combiner_sink_event_pre_queue;
-  aggregator_class->sink_event = gst_tactile_combiner_sink_event;
-  aggregator_class->sink_query = gst_tactile_combiner_sink_query;
-  aggregator_class->src_query = gst_tactile_combiner_src_query;
-  aggregator_class->flush = gst_tactile_combiner_flush;
-  aggregator_class->stop = gst_tactile_combiner_stop;
-  aggregator_class->get_next_time = gst_aggregator_simple_get_next_time;
+  aggregator_class->aggregate = GST_DEBUG_FUNCPTR(gst_tactile_combiner_aggregate);
+  aggregator_class->create_new_pad = GST_DEBUG_FUNCPTR(gst_tactile_combiner_create_new_pad);
+  aggregator_class->sink_event_pre_queue
+      = GST_DEBUG_FUNCPTR(gst_tactile_combiner_sink_event_pre_queue);
+  aggregator_class->sink_event = GST_DEBUG_FUNCPTR(gst_tactile_combiner_sink_event);
+  aggregator_class->sink_query = GST_DEBUG_FUNCPTR(gst_tactile_combiner_sink_query);
+  aggregator_class->src_query = GST_DEBUG_FUNCPTR(gst_tactile_combiner_src_query);
+  aggregator_class->flush = GST_DEBUG_FUNCPTR(gst_tactile_combiner_flush);
+  aggregator_class->stop = GST_DEBUG_FUNCPTR(gst_tactile_combiner_stop);
+  aggregator_class->get_next_time = GST_DEBUG_FUNCPTR(gst_aggregator_simple_get_next_time);
   aggregator_class->negotiate = nullptr; /* the film's caps are ours */
 }
 

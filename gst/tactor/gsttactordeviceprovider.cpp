@@ -424,9 +424,9 @@ gst_tactor_device_provider_class_init(GstTactorDeviceProviderClass *klass)
   gst_device_provider_class_set_static_metadata(
       provider_class, "Tactor boards", "Sink/Tactile/Hardware",
       "Lists the tactor boards and gamepads that are plugged in", "The visuotactile authors");
-  provider_class->probe = gst_tactor_device_provider_probe;
-  provider_class->start = gst_tactor_device_provider_start;
-  provider_class->stop = gst_tactor_device_provider_stop;
+  provider_class->probe = GST_DEBUG_FUNCPTR(gst_tactor_device_provider_probe);
+  provider_class->start = GST_DEBUG_FUNCPTR(gst_tactor_device_provider_start);
+  provider_class->stop = GST_DEBUG_FUNCPTR(gst_tactor_device_provider_stop);
 }
 
 static void

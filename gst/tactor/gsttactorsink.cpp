@@ -505,18 +505,18 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
 
-  element_class->change_state = gst_tactor_sink_change_state;
-  element_class->send_event = gst_tactor_sink_send_event;
-  element_class->post_message = gst_tactor_sink_post_message;
-  sink_class->get_caps = gst_tactor_sink_get_caps;
-  sink_class->query = gst_tactor_sink_query;
-  sink_class->set_caps = gst_tactor_sink_set_caps;
-  sink_class->propose_allocation = gst_tactor_sink_propose_allocation;
-  sink_class->event = gst_tactor_sink_event;
-  sink_class->wait_event = gst_tactor_sink_wait_event;
-  sink_class->render = gst_tactor_sink_render;
-  sink_class->unlock = gst_tactor_sink_unlock;
-  sink_class->unlock_stop = gst_tactor_sink_unlock_stop;
+  element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactor_sink_change_state);
+  element_class->send_event = GST_DEBUG_FUNCPTR(gst_tactor_sink_send_event);
+  element_class->post_message = GST_DEBUG_FUNCPTR(gst_tactor_sink_post_message);
+  sink_class->get_caps = GST_DEBUG_FUNCPTR(gst_tactor_sink_get_caps);
+  sink_class->query = GST_DEBUG_FUNCPTR(gst_tactor_sink_query);
+  sink_class->set_caps = GST_DEBUG_FUNCPTR(gst_tactor_sink_set_caps);
+  sink_class->propose_allocation = GST_DEBUG_FUNCPTR(gst_tactor_sink_propose_allocation);
+  sink_class->event = GST_DEBUG_FUNCPTR(gst_tactor_sink_event);
+  sink_class->wait_event = GST_DEBUG_FUNCPTR(gst_tactor_sink_wait_event);
+  sink_class->render = GST_DEBUG_FUNCPTR(gst_tactor_sink_render);
+  sink_class->unlock = GST_DEBUG_FUNCPTR(gst_tactor_sink_unlock);
+  sink_class->unlock_stop = GST_DEBUG_FUNCPTR(gst_tactor_sink_unlock_stop);
 }
 
 static void

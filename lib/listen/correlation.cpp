@@ -15,7 +15,8 @@ reference_steps(std::size_t onsets, double rate, int reach)
 }
 
 Fit
-fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate, int reach)
+fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, double rate, int reach,
+    int near)
 {
   const std::size_t steps = reference_steps(onsets.size(), rate, reach);
   const auto places = static_cast<std::size_t>(2 * reach + 1);
@@ -26,14 +27,25 @@ fit(std::span<const Bands> onsets, std::span<const std::uint8_t> reference, doub
   for (std::size_t band = 0; band < kBands; band++) {
     for (std::size_t step = 0; step < steps; step++)
       signs[step] = (reference[step] >> band & 1U) != 0 ? 1.0F : -1.0F;
-    for (std::size_t n = 0; n < onsets.size(); n++) {
-      const float weight = onsets[n][band];
-      const float *of = signs.data() + std::lround(static_cast<double>(n) * rate);
+    const auto of = [&](std::size_t n) {
+      return signs.data() + std::lround(static_cast<double>(n) * rate);
+    };
+    std::size_t n = 0;
+    for (; n + 4 <= onsets.size(); n += 4) { // at once: sums are read and written seldom
+      const std::array<float, 4> weights
+          = { onsets[n][band], onsets[n + 1][band], onsets[n + 2][band], onsets[n + 3][band] };
+      const std::array<const float *, 4> parts = { of(n), of(n + 1), of(n + 2), of(n + 3) };
       for (std::size_t place = 0; place < places; place++)
-        sums[place] += weight * of[place];
+        sums[place] += weights[0] * parts[0][place] + weights[1] * parts[1][place]
+                       + weights[2] * parts[2][place] + weights[3] * parts[3][place];
     }
+    for (; n < onsets.size(); n++)
+      for (std::size_t place = 0; place < places; place++)
+        sums[place] += onsets[n][band] * of(n)[place];
   }
-  const auto best = static_cast<std::size_t>(std::ranges::max_element(sums) - sums.begin());
+  const auto best = static_cast<std::size_t>(
+      std::max_element(sums.begin() + reach - near, sums.begin() + reach + near + 1)
+      - sums.begin());
   double mean = 0;
   double power = 0;
   int count = 0;

@@ -11,10 +11,16 @@ namespace listen {
 namespace {
 
 // Scores. Chance reaches 4.6 in one of ten searches, 5.3 in one of a hundred, 6.1 in one of 2000.
-constexpr double kSure = 6.6;
-constexpr double kLikely = 5.4;                              ///< if it is so for a while
-constexpr std::int64_t kAWhile = 3 * Onsets::kOnsetRate / 2; ///< steps: 1.5 s
-constexpr double kAlike = 0.8; ///< of the best one: another place is as good
+constexpr double kHopeful = 4.4;
+constexpr double kSure = 6;
+constexpr double kNewSure = 3;                    ///< of the newer sound, at this place
+constexpr std::int64_t kNew = Onsets::kOnsetRate; ///< steps: 1 s
+constexpr double kCertain = 7;                    ///< without newer sound, if it stands alone
+// Shares of the best score: another place that reaches one is as good.
+constexpr double kAlike = 0.8;
+constexpr double kRepeated = 0.75; ///< of the same film, as where music repeats itself
+constexpr double kAlone = 0.6;     ///< of any film
+constexpr std::size_t kMostHopes = 12;
 
 } // namespace
 
@@ -25,23 +31,51 @@ Candidate::is_at(const Candidate &other) const
 }
 
 std::optional<Candidate>
-Decision::take(std::span<const Candidate> found, std::int64_t now)
+Decision::take(std::span<const Candidate> found, std::int64_t now, const Newer &newer)
 {
-  const auto best = std::ranges::max_element(found, {}, &Candidate::score);
-  const bool is_likely = best != found.end() && best->score >= kLikely
-                         && std::ranges::none_of(found, [&](const Candidate &one) {
-                              return !one.is_at(*best) && one.score > kAlike * best->score;
-                            });
-  if (!is_likely) {
-    hope_.reset();
-    return std::nullopt;
+  std::vector<Candidate> sorted(found.begin(), found.end());
+  std::ranges::sort(sorted, std::ranges::greater(), &Candidate::score);
+  std::vector<Hope> hopes;
+  for (const Candidate &one : sorted) {
+    if (one.score < kHopeful || hopes.size() == kMostHopes)
+      break;
+    const auto is_here = [&](const Hope &hope) {
+      return hope.candidate.is_at(one);
+    };
+    if (std::ranges::any_of(hopes, is_here))
+      continue;
+    const auto known = std::ranges::find_if(hopes_, is_here);
+    hopes.push_back(known != hopes_.end() ? *known : Hope{ .candidate = one, .since = now });
   }
-  if (!hope_ || !hope_->candidate.is_at(*best))
-    hope_ = Hope{ .candidate = *best, .since = now };
-  if (best->score < kSure && now - hope_->since < kAWhile)
+  hopes_ = std::move(hopes);
+  if (hopes_.empty() || sorted.front().score < kSure)
     return std::nullopt;
-  hope_.reset();
-  return *best;
+  const Candidate &best = sorted.front();
+  double other = 0;
+  double same_film = 0;
+  for (const Candidate &one : sorted)
+    if (!one.is_at(best)) {
+      other = std::max(other, one.score / best.score);
+      if (one.film == best.film)
+        same_film = std::max(same_film, one.score / best.score);
+    }
+  if (other > kAlike || same_film > kRepeated)
+    return std::nullopt;
+  const std::int64_t since = hopes_.front().since;
+  if ((best.score < kCertain || other > kAlone)
+      && (now - since < kNew || newer(best, since) < kNewSure))
+    return std::nullopt;
+  hopes_.clear();
+  return best;
+}
+
+std::vector<Candidate>
+Decision::hopes() const
+{
+  std::vector<Candidate> places;
+  for (const Hope &hope : hopes_)
+    places.push_back(hope.candidate);
+  return places;
 }
 
 } // namespace listen

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace listen {
 
@@ -21,16 +23,24 @@ struct Candidate
   bool is_at(const Candidate &other) const;
 };
 
-/// Decides whether the film is at one of the places that searches find. A high score is believed at
-/// once, a lower one if all searches of a while agree. Reads no clock.
+/// Decides whether the film is at one of the places that searches find. A place is believed if its
+/// score is high and that of all others is lower, and if the sound that was heard since it was
+/// found first fits as well: this sound had no part in the choice of the place. A very high score
+/// that stands alone is believed at once. Reads no clock.
 class Decision
 {
 public:
+  /// The score at a place of the sound since a step alone.
+  using Newer = std::function<double(const Candidate &place, std::int64_t since)>;
+
   /// The places of a search of the sound up to step `now`.
-  std::optional<Candidate> take(std::span<const Candidate> found, std::int64_t now);
+  std::optional<Candidate> take(std::span<const Candidate> found, std::int64_t now,
+                                const Newer &newer);
+  /// Places of the last search that may be believed later, as they were found first.
+  std::vector<Candidate> hopes() const;
   void forget()
   {
-    hope_.reset();
+    hopes_.clear();
   }
 
 private:
@@ -39,7 +49,7 @@ private:
     Candidate candidate;
     std::int64_t since = 0; ///< step
   };
-  std::optional<Hope> hope_;
+  std::vector<Hope> hopes_;
 };
 
 } // namespace listen

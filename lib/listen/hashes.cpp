@@ -84,9 +84,11 @@ std::vector<Hash>
 heard_hashes(std::span<const Peak> peaks, double rate)
 {
   std::vector<Hash> hashes;
+  std::ptrdiff_t begin = 0; // of this frame's
   for (std::size_t i = 0; i < peaks.size(); i++) {
     const Peak &first = peaks[i];
     const Units at = units(first.bin / rate);
+    const std::int64_t frame = std::llround(static_cast<double>(first.frame) * rate);
     std::size_t partners = 0;
     for (std::size_t j = i + 1; j < peaks.size() && partners < kHeardPartners; j++) {
       const double wait = static_cast<double>(peaks[j].frame - first.frame) * rate;
@@ -98,26 +100,24 @@ heard_hashes(std::span<const Peak> peaks, double rate)
       partners++;
       const Units steps = units(step);
       const Units waits = units(wait);
-      for (const int a : { at.nearest, at.next })
-        for (const int s : { steps.nearest, steps.next })
-          for (const int w : { waits.nearest, waits.next }) {
-            if ((a == at.next && a != at.nearest ? 1 : 0)
-                    + (s == steps.next && s != steps.nearest ? 1 : 0)
-                    + (w == waits.next && w != waits.nearest ? 1 : 0)
-                > 1)
-              continue;
-            if (is_value(a, s, w))
-              hashes.push_back({ .frame = std::llround(static_cast<double>(first.frame) * rate),
-                                 .value = value_of(a, s, w),
-                                 .strength = std::min(first.strength, peaks[j].strength) });
-          }
+      const auto add = [&](int a, int s, int w) {
+        if (is_value(a, s, w))
+          hashes.push_back({ .frame = frame,
+                             .value = value_of(a, s, w),
+                             .strength = std::min(first.strength, peaks[j].strength) });
+      };
+      add(at.nearest, steps.nearest, waits.nearest);
+      add(at.next, steps.nearest, waits.nearest);
+      add(at.nearest, steps.next, waits.nearest);
+      add(at.nearest, steps.nearest, waits.next);
     }
+    if (i + 1 < peaks.size() && peaks[i + 1].frame == first.frame)
+      continue;
+    const auto of_frame = std::ranges::subrange(hashes.begin() + begin, hashes.end());
+    std::ranges::sort(of_frame, {}, &Hash::value);
+    hashes.erase(std::ranges::unique(of_frame, {}, &Hash::value).begin(), hashes.end());
+    begin = std::ssize(hashes);
   }
-  std::ranges::sort(hashes, {}, [](const Hash &hash) { return std::pair(hash.frame, hash.value); });
-  const auto rest = std::ranges::unique(hashes, [](const Hash &a, const Hash &b) {
-    return a.frame == b.frame && a.value == b.value;
-  });
-  hashes.erase(rest.begin(), rest.end());
   return hashes;
 }
 

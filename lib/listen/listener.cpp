@@ -53,7 +53,9 @@ Listener::add(std::span<const float> mono, Time at)
 {
   keep_time(mono.size(), at);
   take_sound(mono);
-  if (steps_ - looked_at_ < kLooksEvery + static_cast<std::int64_t>(votes_ / kVotesAStep)
+  const std::int64_t wait
+      = lock_ ? kLooksEvery : std::max(kLooksEvery, std::min(steps_ - fresh_, kMost) / 10);
+  if (steps_ - looked_at_ < wait + static_cast<std::int64_t>(votes_ / kVotesAStep)
       || steps_ - fresh_ < kLeast)
     return std::nullopt;
   looked_at_ = steps_;
@@ -113,7 +115,8 @@ Listener::newest(std::int64_t onsets) const
 
 /// Compares the newest() with a film. `step`: the estimate of Lock::origin.
 std::optional<Fit>
-Listener::fit_at(std::size_t film, double rate, double step, std::span<const Bands> changes) const
+Listener::fit_at(std::size_t film, double rate, double step, std::span<const Bands> changes,
+                 int near) const
 {
   const double first = static_cast<double>(steps_ - std::ssize(changes)) * rate;
   const std::int64_t from = std::llround(step + first) - kReach;
@@ -121,7 +124,7 @@ Listener::fit_at(std::size_t film, double rate, double step, std::span<const Ban
       = catalogue_.films()[film].reference(from, reference_steps(changes.size(), rate, kReach));
   if (!reference)
     return std::nullopt;
-  Fit found = fit(changes, *reference, rate, kReach);
+  Fit found = fit(changes, *reference, rate, kReach, near);
   found.step += static_cast<double>(from) - first;
   return found;
 }
@@ -142,10 +145,16 @@ Listener::look_up(double rate, std::span<const Bands> changes, std::vector<Candi
   votes_ += fitting.votes;
   for (const Place &place : fitting.places) {
     const double step = (static_cast<double>(place.frame) - std::floor(first) * rate) * kOfFrame;
-    const auto fit = fit_at(place.film, rate, step, changes);
-    if (fit)
-      found.push_back({ .film = place.film, .rate = rate, .step = fit->step, .score = fit->score });
+    add_place(place.film, rate, step, changes, found);
   }
+}
+
+void
+Listener::add_place(std::size_t film, double rate, double step, std::span<const Bands> changes,
+                    std::vector<Candidate> &found) const
+{
+  if (const auto fit = fit_at(film, rate, step, changes, kReach))
+    found.push_back({ .film = film, .rate = rate, .step = fit->step, .score = fit->score });
 }
 
 /// The longest sound that searches use.
@@ -162,7 +171,13 @@ Listener::search()
   const std::vector<Bands> changes = searched();
   for (const double rate : kRates)
     look_up(rate, changes, found);
-  const auto best = decision_.take(found, steps_);
+  for (const Candidate &hope : decision_.hopes()) // also those that hashes no longer find
+    add_place(hope.film, hope.rate, hope.step, changes, found);
+  const auto best = decision_.take(found, steps_, [&](const Candidate &place, std::int64_t since) {
+    const auto fit = fit_at(place.film, place.rate, place.step, newest(steps_ - since),
+                            static_cast<int>(kSame));
+    return fit ? fit->score : 0;
+  });
   if (!best)
     return std::nullopt;
   lock_ = Lock{
@@ -180,7 +195,7 @@ Listener::look_around()
   std::vector<Candidate> found;
   const std::vector<Bands> changes = searched();
   look_up(lock_->rate, changes, found);
-  const auto here = fit_at(lock_->film, lock_->rate, lock_->origin, changes);
+  const auto here = fit_at(lock_->film, lock_->rate, lock_->origin, changes, kReach);
   const bool is_worse
       = here && std::ranges::any_of(found, [&](const Candidate &one) {
           return one.score > here->score
@@ -199,7 +214,7 @@ Listener::track()
     return search();
   Lock &lock = *lock_;
   const bool there = is_there(lock);
-  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kWindow));
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kWindow), kReach);
   const bool fits = found && found->score >= kStill && std::abs(found->step - lock.origin) <= kNear;
   lock.misses = fits ? 0 : lock.misses + 1;
   if (!found || lock.misses > kMostMisses || lock.absent >= kMostAbsent) {
@@ -223,7 +238,7 @@ Listener::track()
 bool
 Listener::is_there(Lock &lock) const
 {
-  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kShortWindow));
+  const auto found = fit_at(lock.film, lock.rate, lock.origin, newest(kShortWindow), kReach);
   const bool fits = found && std::abs(found->step - lock.origin) <= kSame;
   const bool shows = lock.present >= kUsually;
   lock.absent = fits || !shows ? 0 : lock.absent + 1;

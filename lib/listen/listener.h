@@ -27,8 +27,8 @@ struct Heard
 
 /// Detects the film that plays and its position, twice a second. A search compares the sound with
 /// all films, also at the speeds 25/24 and 24/25; after a find, the sound is compared with this
-/// film alone. A large catalogue is searched less often. Sound is dropped after 12 seconds. Reads
-/// no clock; not thread-safe.
+/// film alone. Searches of more than 5 s, or of a large catalogue, are less frequent. Sound is
+/// dropped after 12 seconds. Reads no clock; not thread-safe.
 class Listener
 {
 public:
@@ -63,11 +63,13 @@ private:
   std::vector<Bands> newest(std::int64_t onsets) const;
   std::vector<Bands> searched() const;
   void look_up(double rate, std::span<const Bands> changes, std::vector<Candidate> &found);
+  void add_place(std::size_t film, double rate, double step, std::span<const Bands> changes,
+                 std::vector<Candidate> &found) const;
   std::optional<Heard> track();
   bool is_there(Lock &lock) const;
   void look_around();
   std::optional<Fit> fit_at(std::size_t film, double rate, double step,
-                            std::span<const Bands> changes) const;
+                            std::span<const Bands> changes, int near) const;
   Heard heard(const Lock &lock, double score) const;
   void forget();
 

@@ -3,8 +3,9 @@
 // Films known by their sound: how soon, how surely and how exactly, in rooms and noise, beside
 // Chromaprint's fingerprints by a sliding match. Tables of docs/measured/listen.md.
 //
-// Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]      FOLDER: sounds, see listen_sounds.h;
-//          QUERIES: a row; MINUTES: of each sound that is in no entry
+// Usage: listen FOLDER [TITLES [QUERIES [MINUTES [SEED]]]]      FOLDER: see listen_sounds.h;
+//          QUERIES: a row; MINUTES: of each sound that is in no entry; SEED: of other titles
+//        listen --among FILMS FOLDER TITLES QUERIES      titles among so many films of two hours
 //        listen --search FILE FILMS      a search in so many films of two hours; FILE: see sizes()
 #include "listen_sounds.h"
 
@@ -200,6 +201,34 @@ slide(const std::vector<std::vector<std::uint32_t>> &films, const std::vector<st
   return best;
 }
 
+constexpr std::array kRatios = { 10.0, 0.0 };
+constexpr std::array kNoises = { "pink noise", "music", "speech" };
+constexpr std::array kRooms = { std::pair(0.2, false), std::pair(0.4, true), std::pair(0.8, true) };
+
+/// Outcomes of some queries.
+struct Sums
+{
+  int queries = 0;
+  int five = 0; ///< right within 5 s
+  int ten = 0;
+  int wrong = 0;
+
+  void add(const Outcome &one)
+  {
+    queries++;
+    five += one.first >= 0 && one.first <= 5.05 ? 1 : 0;
+    ten += one.first >= 0 && one.first <= 10.05 ? 1 : 0;
+    wrong += one.wrong ? 1 : 0;
+  }
+  void add(const Sums &other)
+  {
+    queries += other.queries;
+    five += other.five;
+    ten += other.ten;
+    wrong += other.wrong;
+  }
+};
+
 void
 conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int queries)
 {
@@ -211,17 +240,13 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
   std::printf(
       "| room | band | noise | right within 5 s | 10 s | seconds, median | wrong | error, "
       "median | p95 | Chromaprint, 5 s | 10 s |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
-  int all = 0;
-  int all_wrong = 0;
   int number = 0;
+  int wrong = 0;
   std::string sums;
-  for (const double ratio : { 10.0, 0.0 }) {
-    int rows = 0;
-    int all_five = 0;
-    int all_ten = 0;
-    for (const char *noise : { "pink noise", "music", "speech" })
-      for (const auto &[decay, telephone] :
-           { std::pair(0.2, false), std::pair(0.4, true), std::pair(0.8, true) }) {
+  for (const double ratio : kRatios) {
+    Sums all;
+    for (const char *noise : kNoises)
+      for (const auto &[decay, telephone] : kRooms) {
         const Condition condition{ decay, telephone, noise, ratio };
         std::vector<Outcome> outcomes(static_cast<std::size_t>(queries));
         for_each_of(queries, [&](int i) {
@@ -229,23 +254,15 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
               = heard(catalogue, query(pool, titles, number + i, condition));
         });
         number += queries;
-        int five = 0;
-        int ten = 0;
-        int wrong = 0;
+        Sums row;
         std::vector<double> errors;
         std::vector<double> firsts;
         for (const Outcome &one : outcomes) {
-          five += one.first >= 0 && one.first <= 5.05 ? 1 : 0;
-          ten += one.first >= 0 && one.first <= 10.05 ? 1 : 0;
-          wrong += one.wrong ? 1 : 0;
+          row.add(one);
           firsts.push_back(one.first < 0 ? kLength : one.first);
           errors.insert(errors.end(), one.errors.begin(), one.errors.end());
         }
-        rows += queries;
-        all_five += five;
-        all_ten += ten;
-        all += queries;
-        all_wrong += wrong;
+        all.add(row);
         std::array<std::atomic<int>, 2> of_peer{};
         const int peers = std::min(queries, kPeerQueries);
         for_each_of(peers, [&](int i) {
@@ -261,20 +278,22 @@ conditions(const Pool &pool, const listen::Catalogue &catalogue, int titles, int
         });
         std::printf("| %.1f s | %s | %s %+.0f dB | %.0f %% | %.0f %% | %.1f | %d of %d | %.2f ms | "
                     "%.2f ms | %.0f %% | %.0f %% |\n",
-                    decay, telephone ? "150–3400 Hz" : "full", noise, ratio, 100.0 * five / queries,
-                    100.0 * ten / queries, quantile(firsts, 0.5), wrong, queries,
-                    quantile(errors, 0.5), quantile(errors, 0.95), 100.0 * of_peer[0] / peers,
-                    100.0 * of_peer[1] / peers);
+                    decay, telephone ? "150–3400 Hz" : "full", noise, ratio,
+                    100.0 * row.five / queries, 100.0 * row.ten / queries, quantile(firsts, 0.5),
+                    row.wrong, queries, quantile(errors, 0.5), quantile(errors, 0.95),
+                    100.0 * of_peer[0] / peers, 100.0 * of_peer[1] / peers);
         std::fflush(stdout);
       }
     std::array<char, 200> sum{};
     std::snprintf(sum.data(), sum.size(),
                   "All %d queries at %+.0f dB: %.1f %% right within 5 s, "
                   "%.1f %% within 10 s.\n",
-                  rows, ratio, 100.0 * all_five / rows, 100.0 * all_ten / rows);
+                  all.queries, ratio, 100.0 * all.five / all.queries,
+                  100.0 * all.ten / all.queries);
     sums += sum.data();
+    wrong += all.wrong;
   }
-  std::printf("\n%sWrong in all: %d of %d queries.\n", sums.c_str(), all_wrong, all);
+  std::printf("\n%sWrong in all: %d of %d queries.\n", sums.c_str(), wrong, number);
 }
 
 void
@@ -400,6 +419,74 @@ sizes(const Pool &pool, std::span<const std::uint32_t> values, const std::string
   unlink(path.c_str());
 }
 
+/// The titles' sounds, and the CPU time that they took.
+std::pair<std::vector<listen::FilmSound>, double>
+learned(const Pool &pool, int titles)
+{
+  std::vector<listen::FilmSound> sounds(static_cast<std::size_t>(titles));
+  std::atomic<double> took = 0;
+  for_each_of(titles, [&](int title) {
+    const Sound sound = pool.film(title, kFilm);
+    const double begin = thread_time();
+    listen::FilmSoundMaker maker(kSoundRate);
+    maker.add(sound);
+    sounds[static_cast<std::size_t>(title)] = maker.finish();
+    took = took + thread_time() - begin;
+  });
+  return { std::move(sounds), took };
+}
+
+/// The titles among films of two hours with hashes as frequent as theirs, and with seconds of their
+/// references.
+void
+among(const Pool &pool, const std::vector<listen::FilmSound> &sounds, int films, int queries)
+{
+  const auto titles = static_cast<int>(sounds.size());
+  const std::vector<std::uint32_t> values = values_of(sounds);
+  std::vector<listen::Entry> entries;
+  const auto add = [&](const listen::FilmSound &sound) {
+    entries.push_back(*listen::Entry::of(*listen::write_entry({ .sound = sound })));
+  };
+  for (const listen::FilmSound &sound : sounds)
+    add(sound);
+  for (int film = 0; film < films; film++) {
+    Random random(static_cast<std::uint64_t>(film));
+    listen::FilmSound sound;
+    for (int second = 0; second < kTitle; second++) {
+      add_hashes(sound.hashes, second, 3, values, static_cast<std::uint64_t>(film));
+      const auto &of = sounds[static_cast<std::size_t>(random.below(titles))].reference;
+      const auto from
+          = of.begin() + listen::Onsets::kOnsetRate * random.below(static_cast<int>(kFilm) - 1);
+      sound.reference.insert(sound.reference.end(), from, from + listen::Onsets::kOnsetRate);
+    }
+    add(sound);
+  }
+  const listen::Catalogue catalogue(std::move(entries));
+  int number = 0;
+  for (const double ratio : kRatios) {
+    std::vector<Outcome> outcomes(kNoises.size() * kRooms.size()
+                                  * static_cast<std::size_t>(queries));
+    for_each_of(static_cast<int>(outcomes.size()), [&](int i) {
+      const auto row = static_cast<std::size_t>(i / queries);
+      const auto &[decay, telephone] = kRooms[row % kRooms.size()];
+      outcomes[static_cast<std::size_t>(i)]
+          = heard(catalogue, query(pool, titles, number + i,
+                                   { decay, telephone, kNoises[row / kRooms.size()], ratio }));
+    });
+    Sums sums;
+    for (const Outcome &one : outcomes)
+      sums.add(one);
+    number += sums.queries;
+    std::printf(
+        "%d titles among %d films of two hours, %+.0f dB: %.1f %% right within 5 s, %.1f %% "
+        "within 10 s, %d of %d wrong.\n",
+        titles, films, ratio, 100.0 * sums.five / sums.queries, 100.0 * sums.ten / sums.queries,
+        sums.wrong, sums.queries);
+    std::fflush(stdout);
+  }
+  cpu(pool, catalogue, titles + films);
+}
+
 void
 search(const char *path, std::size_t films)
 {
@@ -441,27 +528,24 @@ int
 main(int argc, char **argv)
 {
   if (argc < 2) {
-    std::fprintf(stderr, "Usage: listen FOLDER [TITLES [QUERIES [MINUTES]]]\n");
+    std::fprintf(stderr, "Usage: listen FOLDER [TITLES [QUERIES [MINUTES [SEED]]]]\n");
     return 2;
   }
   if (argc == 4 && std::string(argv[1]) == "--search") {
     search(argv[2], static_cast<std::size_t>(std::atoi(argv[3])));
     return 0;
   }
+  if (argc == 6 && std::string(argv[1]) == "--among") {
+    const int titles = std::atoi(argv[4]);
+    const Pool pool(argv[3], titles, kFilm);
+    among(pool, learned(pool, titles).first, std::atoi(argv[2]), std::atoi(argv[5]));
+    return 0;
+  }
   const int titles = argc > 2 ? std::atoi(argv[2]) : 1000;
   const int queries = argc > 3 ? std::atoi(argv[3]) : 40;
   const int minutes = argc > 4 ? std::atoi(argv[4]) : 20;
-  const Pool pool(argv[1], titles, kFilm);
-  std::vector<listen::FilmSound> sounds(static_cast<std::size_t>(titles));
-  std::atomic<double> learning = 0;
-  for_each_of(titles, [&](int title) {
-    const Sound sound = pool.film(title, kFilm);
-    const double begin = thread_time();
-    listen::FilmSoundMaker maker(kSoundRate);
-    maker.add(sound);
-    sounds[static_cast<std::size_t>(title)] = maker.finish();
-    learning = learning + thread_time() - begin;
-  });
+  const Pool pool(argv[1], titles, kFilm, argc > 5 ? std::strtoull(argv[5], nullptr, 10) : 0);
+  auto [sounds, learning] = learned(pool, titles);
   const std::vector<std::uint32_t> values = values_of(sounds);
   std::vector<std::string> entries(sounds.size());
   for_each_of(titles, [&](int title) {

@@ -28,9 +28,8 @@ find ./wesnoth-1.16-data ./hedgewars-data/usr/share/games/hedgewars/Data/Sounds 
   \( -name '*.ogg' -o -name '*.wav' \) -size -500k | sort | grep -v voices | awk 'NR % 2 == 0 && n++ < 320' | decode effect 20
 # Sentences of many people, in eight long recordings.
 if ! ls "$pool"/speech_* >/dev/null 2>&1; then
-  find ./ktuberling-data ./fillets-ng-data-cs ./fillets-ng-data-nl -name '*.ogg' -size -500k | sort | awk 'NR % 3 == 0 && n++ < 700' | while read -r name; do
-    ffmpeg -v quiet -nostdin -i "$name" -ac 1 -ar 16000 -f s16le - </dev/null
-  done >"$pool/voices"
+  find "$PWD"/ktuberling-data "$PWD"/fillets-ng-data-cs "$PWD"/fillets-ng-data-nl -name '*.ogg' -size -500k | sort | awk -v q="'" 'NR % 2 == 0 { print "file " q $0 q }' >"$pool/voices.list"
+  ffmpeg -v quiet -nostdin -f concat -safe 0 -i "$pool/voices.list" -ac 1 -ar 16000 -f s16le - >"$pool/voices"
   split -n 8 -d --additional-suffix=.s16 "$pool/voices" "$pool/speech_"
-  rm "$pool/voices"
+  rm "$pool/voices" "$pool/voices.list"
 fi

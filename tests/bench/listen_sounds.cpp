@@ -173,7 +173,8 @@ convolved(const Sound &sound, const Sound &response)
 
 } // namespace
 
-Pool::Pool(const std::string &folder, int titles, double seconds)
+Pool::Pool(const std::string &folder, int titles, double seconds, std::uint64_t seed)
+    : seed_(seed * 1'000'003)
 {
   std::vector<std::filesystem::path> paths;
   for (const auto &entry : std::filesystem::directory_iterator(folder))
@@ -181,14 +182,22 @@ Pool::Pool(const std::string &folder, int titles, double seconds)
       paths.push_back(entry.path());
   std::ranges::sort(paths);
   std::size_t count = 0;
+  std::size_t games = 0;
+  std::string game;
   for (const auto &path : paths) {
     const std::string name = path.filename().string();
-    if (name.starts_with("music_"))
-      (count++ % 5 == 0 ? other_music_ : music_).push_back(read(path));
-    else if (name.starts_with("speech_"))
+    if (name.starts_with("music_")) {
+      // Tunes of a game may have bars or instruments in common, so that others are of other games.
+      if (game != name.substr(0, name.find("_usr"))) {
+        game = name.substr(0, name.find("_usr"));
+        games++;
+      }
+      (games % 5 == 0 ? other_music_ : music_).push_back(read(path));
+    } else if (name.starts_with("speech_")) {
       (count++ % 4 == 0 ? other_speech_ : speech_).push_back(read(path));
-    else if (name.starts_with("effect_"))
+    } else if (name.starts_with("effect_")) {
       (count++ % 5 == 0 ? other_effects_ : effects_).push_back(read(path));
+    }
   }
   if (music_.empty() || speech_.empty() || effects_.empty())
     throw std::runtime_error("'" + folder
@@ -200,10 +209,12 @@ Pool::Pool(const std::string &folder, int titles, double seconds)
 std::vector<Pool::Piece>
 Pool::pieces(int number, double seconds) const
 {
-  constexpr double kSame = 0.005; // of the speed
-  constexpr double kEffect = 3;   // s: longest
+  constexpr double kSame = 0.02; // of the speed
+  // As they are, and where one or both are heard at 25/24 of their speed, or at 24/25.
+  constexpr std::array kPlayed = { 1.0, 24.0 / 25, 24.0 * 24 / 25 / 25 };
+  constexpr double kEffect = 3; // s: longest
   constexpr int kTries = 1000;
-  Random random(static_cast<std::uint64_t>(number) * 7919 + 1);
+  Random random((seed_ + static_cast<std::uint64_t>(number)) * 7919 + 1);
   const bool others = number >= kOthers;
   std::vector<Piece> made;
   if (number % 4 == 3)
@@ -215,7 +226,8 @@ Pool::pieces(int number, double seconds) const
           || one.begin > other.begin + static_cast<double>(other.count) * other.speed)
         return false;
       const double ratio = std::max(one.speed, other.speed) / std::min(one.speed, other.speed);
-      return ratio < 1 + kSame || std::abs(ratio * 24 / 25 - 1) < kSame;
+      return std::ranges::any_of(
+          kPlayed, [&](double played) { return std::abs(ratio * played - 1) < kSame; });
     };
     return std::ranges::any_of(made, clashes)
            || std::ranges::any_of(
@@ -242,11 +254,11 @@ Pool::pieces(int number, double seconds) const
     const std::size_t count = std::min(samples(random.uniform(8, 25)), size - at);
     const int kind = random.below(10);
     if (kind < 7)
-      add_piece(at, count, others ? other_music_ : music_, 0.1 * gain(random.uniform(-18, 0)), 0.8,
-                1.2);
+      add_piece(at, count, others ? other_music_ : music_, 0.1 * gain(random.uniform(-18, 0)), 0.75,
+                1.3);
     if (kind >= 4)
-      add_piece(at, count, others ? other_speech_ : speech_, 0.1 * gain(random.uniform(-6, 0)), 0.8,
-                1.25);
+      add_piece(at, count, others ? other_speech_ : speech_, 0.1 * gain(random.uniform(-6, 0)), 0.7,
+                1.4);
     for (std::size_t then = at; then < at + count; then += samples(random.uniform(0.5, 6)))
       add_piece(then, std::min(samples(random.uniform(0.5, kEffect)), at + count - then),
                 others ? other_effects_ : effects_, 0.1 * gain(random.uniform(-15, 3)), 0.7, 1.4);
@@ -258,7 +270,7 @@ Pool::pieces(int number, double seconds) const
 Sound
 Pool::film(int number, double seconds) const
 {
-  Random random(static_cast<std::uint64_t>(number) * 104'729 + 1);
+  Random random((seed_ + static_cast<std::uint64_t>(number)) * 104'729 + 1);
   Sound mix(samples(seconds));
   if (number % 4 == 3)
     for (std::size_t at = 0; at < mix.size();) {
@@ -280,7 +292,7 @@ Pool::film(int number, double seconds) const
 Sound
 Pool::music(std::uint64_t seed, double seconds) const
 {
-  Random random(seed ^ 0x6d75736963U);
+  Random random((seed_ + seed) ^ 0x6d75736963U);
   Sound mix(samples(seconds));
   for (std::size_t at = 0; at < mix.size();) {
     const std::size_t count = std::min(samples(random.uniform(20, 90)), mix.size() - at);
@@ -293,7 +305,7 @@ Pool::music(std::uint64_t seed, double seconds) const
 Sound
 Pool::speech(std::uint64_t seed, double seconds) const
 {
-  Random random(seed ^ 0x737065656368U);
+  Random random((seed_ + seed) ^ 0x737065656368U);
   Sound mix(samples(seconds));
   for (std::size_t at = 0; at < mix.size();) {
     const std::size_t count = std::min(samples(random.uniform(10, 30)), mix.size() - at);

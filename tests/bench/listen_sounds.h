@@ -18,8 +18,9 @@ using Sound = std::vector<float>;
 class Pool
 {
 public:
-  /// `titles`: films of `seconds`, of which no two have the same music or speech at the same speed.
-  Pool(const std::string &folder, int titles, double seconds);
+  /// `titles`: films of `seconds`, of which no two have the same music or speech at the same speed,
+  /// within 2 %. Another `seed` makes others.
+  Pool(const std::string &folder, int titles, double seconds, std::uint64_t seed = 0);
 
   /// A film: scenes of music, speech and effects; each fourth one is synthetic. Those from kOthers
   /// on are of other recordings.
@@ -43,6 +44,7 @@ private:
 
   std::vector<Piece> pieces(int number, double seconds) const;
 
+  const std::uint64_t seed_;
   std::vector<Sound> music_;
   std::vector<Sound> other_music_;
   std::vector<Sound> speech_;

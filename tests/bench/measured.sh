@@ -430,8 +430,8 @@ CAPTION
       head_of "Films known by their sound"
       cat <<'CAPTION'
 Titles are mixed of the music, voices and effects of 24 of Debian's games at other speeds, and of synthetic notes and
-noise; no two have the same stretch of music or speech within 0.5 % of the same speed. Each is heard from a random place
-on, in a synthetic room with as much direct sound as reverberation, and with noise, music or voices that are in no title.
+noise; no two have the same stretch of music or speech within 2 % of the same speed. Each is heard from a random place
+on, in a synthetic room with as much direct sound as reverberation, and with noise, music of other games or other voices.
 Two in five run at 25/24 or 24/25 of their speed, but for Chromaprint (`fpcalc -raw`), which looks for the fewest
 different bits in 60 of the titles, 10 times a row. Right: the title, and the place within 150 ms. Errors are against the
 true position, of all reports after the first.

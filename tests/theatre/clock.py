@@ -6,10 +6,15 @@ Usage: clock.py EXAMPLES
 """
 import heapq
 import random
+import socket
 import sys
+import time
+
+from gi.repository import GLib
 
 sys.path.insert(0, sys.argv[1])
 from theatre_clock import Offset  # noqa: E402
+from theatre_server import hear_seats  # noqa: E402
 from theatre_seats import GONE, MAGIC, MOST, REPORT, Line, Seats  # noqa: E402
 
 SECOND = 10**9
@@ -166,5 +171,33 @@ seats.add(20, REPORT.pack(MAGIC, 7, 0, False))
 if seats.count(20) != (MOST, 1) or seats.count(20 + GONE) != (0, 0):
     print("FAILED: seats that a stranger makes up, or that have gone, are kept, or keep out others")
     failed += 1
+# A seat far away says why it waits.
+far = Offset()
+said = [far.hindrance]
+for n in range(400):
+    now = BEGIN + n * SECOND // 4
+    far.add(now, now + 25 * 10**6 + AHEAD, now + 50 * 10**6)
+    far.fit(now + 50 * 10**6)
+if far.settled or [*said, far.hindrance] != ["no answer", "expected answers within 40 ms, the quickest took 50 ms"]:
+    print(f"FAILED: {said}, {far.hindrance}, settled: {far.settled}")
+    failed += 1
+# More reports than a socket keeps. Nothing waits here: neither a seat for the name of its server, nor the server for a second.
 Line("no-such-name.invalid", 5107).send(b"")
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+    free.bind(("127.0.0.1", 0))
+    port = free.getsockname()[1]
+heard = hear_seats(["127.0.0.1"], port)
+line = Line("127.0.0.1", port)
+reporter = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+for n in range(1000):
+    reporter.sendto(REPORT.pack(MAGIC, n, 0, True), ("127.0.0.1", port))
+    if n % 100 == 99:
+        while GLib.MainContext.default().iteration(False):
+            pass
+line.send(REPORT.pack(MAGIC, 1000, 0, True))
+while len(heard.seats) == 1000:
+    GLib.MainContext.default().iteration(True)
+if heard.count(time.monotonic())[0] != 1001:
+    print(f"FAILED: {len(heard.seats)} seats were heard, expected 1001")
+    failed += 1
 sys.exit(failed > 0)

@@ -62,7 +62,8 @@ pair_of(const std::string &argument)
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos)
     throw UsageError("expected KEY=VALUE, got '" + argument + "'");
-  const chair::Key &key = key_of(argument.substr(0, equals));
+  const std::string name = argument.substr(0, equals);
+  const chair::Key &key = key_of(name);
   std::string value = argument.substr(equals + 1);
   if (!chair::takes(key, value))
     throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"

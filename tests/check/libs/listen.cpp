@@ -140,10 +140,44 @@ CHECK_TEST(test_delay)
     onsets.erase(onsets.begin(), onsets.begin() + 100); // of the cut
     onsets.resize(1000);
     const auto window = std::span(reference).subspan(250 + 100 - 60);
-    const listen::Fit fit = listen::fit(listen::weighted(onsets), window, 1, 60);
+    const listen::Fit fit = listen::fit(listen::weighted(onsets), window, 1, 60, 60);
     const double samples = (60 - fit.step) * listen::Onsets::kHop;
     fail_unless(std::abs(samples - delay) < 1 && fit.score > 15, "%d samples: %.2f, score %.1f",
                 delay, samples, fit.score);
+  }
+}
+
+/// Faint sounds beside steady loud tones are peaks from the first half second on.
+CHECK_TEST(test_first_peaks)
+{
+  constexpr int kPips = 10;
+  Sound sound(2 * listen::kRate);
+  for (std::size_t i = 0; i < sound.size(); i++) {
+    const double time = static_cast<double>(i) / listen::kRate;
+    for (int tone = 1; tone <= 6; tone++)
+      sound[i] += static_cast<float>(0.1 * std::sin(2 * std::numbers::pi * 500 * tone * time));
+  }
+  const auto middle = [](int pip) {
+    return 0.2 + 0.1 * pip;
+  };
+  const auto hertz = [](int pip) {
+    return 500.0 * (1 + pip % 6) + 62.5;
+  };
+  for (int pip = 0; pip < kPips; pip++)
+    for (int i = -240; i < 240; i++) // 60 ms
+      sound[static_cast<std::size_t>(std::lround(middle(pip) * listen::kRate) + i)]
+          += static_cast<float>(0.01 * (1 - std::abs(i) / 240.0)
+                                * std::sin(2 * std::numbers::pi * hertz(pip) * i / listen::kRate));
+  listen::PeakFinder finder(listen::kHeardPeaks);
+  finder.add(sound);
+  const std::vector<listen::Peak> peaks = finder.take();
+  for (int pip = 0; pip < kPips; pip++) {
+    const bool is_found = std::ranges::any_of(peaks, [&](const listen::Peak &peak) {
+      const double time = static_cast<double>(peak.frame) / listen::PeakFinder::kFrameRate;
+      return std::abs(time - middle(pip)) < 0.03
+             && std::abs(peak.bin * listen::PeakFinder::kBinHz - hertz(pip)) < 16;
+    });
+    fail_unless(is_found, "the one at %.1f s", middle(pip));
   }
 }
 

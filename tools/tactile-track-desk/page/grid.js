@@ -67,11 +67,15 @@ export class Grid extends EventTarget {
       this.#press(cell, this.level, event.code);
   }
 
-  /** Shows a map, with what is held over it. */
+  /** Shows a map, with what is held over it. Cells that stay the same cost no layout. */
   show(levels) {
     this.#buttons.forEach((button, cell) => {
       const held = this.recorder.held.get(cell)?.level;
       const level = held ?? levels[cell];
+      const shown = `${level} ${held !== undefined}`;
+      if (button.dataset.shown === shown)
+        return;
+      button.dataset.shown = shown;
       button.style.setProperty('--level', level / 100);
       button.classList.toggle('held', held !== undefined);
       button.lastChild.textContent = level ? `${level}` : '';

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+const drawn = new WeakMap(); // canvas: what it shows
+
 /**
  * Draws a tactile map over a picture: a ring for each cell that is felt, larger and denser the
  * stronger it is.
@@ -12,6 +14,10 @@ export function drawMap(canvas, rows, columns, levels) {
   const { clientWidth, clientHeight } = canvas;
   const width = Math.round(clientWidth * devicePixelRatio);
   const height = Math.round(clientHeight * devicePixelRatio);
+  const map = [width, height, rows, columns, ...levels].join();
+  if (drawn.get(canvas) === map)
+    return;
+  drawn.set(canvas, map);
   if (canvas.width !== width || canvas.height !== height) {
     canvas.width = width;
     canvas.height = height;

@@ -70,7 +70,8 @@ export class Minimap {
     context.fillRect(x(playhead), 0, 2, height);
     for (const [name, value] of [['valuenow', Math.round(view.from / length * 100)], ['valuemin', 0], ['valuemax', 100],
       ['valuetext', `${formatTime(view.from)} to ${formatTime(view.to)}`]])
-      this.#canvas.setAttribute(`aria-${name}`, value);
+      if (this.#canvas.getAttribute(`aria-${name}`) !== `${value}`)
+        this.#canvas.setAttribute(`aria-${name}`, value);
   }
 
   #drawWhole(width, height) {

@@ -194,9 +194,12 @@ export class Timeline extends EventTarget {
 
   set playhead(ms) {
     if (ms === this.#playhead) return;
+    const pixel = () => Math.round(this.view.x(this.#playhead) * devicePixelRatio);
+    const before = pixel();
     this.#playhead = ms;
-    if (this.follow && this.view.reveal(ms)) this.#tell('view', {});
-    this.refresh();
+    const moved = this.follow && this.view.reveal(ms);
+    if (moved) this.#tell('view', {});
+    if (moved || pixel() !== before) this.refresh();
   }
 
   /** Moves the playhead and lets the film follow. */

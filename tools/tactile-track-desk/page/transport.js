@@ -7,6 +7,8 @@ const $ = (id) => document.getElementById(id);
 /** The buttons and fields below the film. */
 export class Transport {
   #film;
+  #shown = []; // what the buttons say
+  #timed = 0; // performance.now() of what the field says
   #rates = [...$('rate').options].map(({ value }) => Number(value));
 
   /**
@@ -45,8 +47,16 @@ export class Transport {
 
   show() {
     const film = this.#film;
-    if (document.activeElement !== $('time'))
+    const now = performance.now();
+    // A changed field costs more than all else of the page.
+    if (document.activeElement !== $('time') && (film.paused || now - this.#timed >= 100)) {
+      this.#timed = now;
       $('time').value = formatTime(film.position);
+    }
+    const state = [film.paused, film.muted, Boolean(film.loop), film.rate];
+    if (state.every((one, i) => one === this.#shown[i]))
+      return;
+    this.#shown = state;
     $('play').textContent = film.paused ? 'Play' : 'Pause';
     $('mute').setAttribute('aria-pressed', film.muted);
     $('loop').setAttribute('aria-pressed', Boolean(film.loop));
