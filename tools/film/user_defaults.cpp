@@ -92,8 +92,8 @@ UserDefaults::fill_grid(gint &rows, gint &columns, gint not_given)
                      } });
 }
 
-void
-UserDefaults::print(const std::string &driver) const
+std::string
+UserDefaults::text(const std::string &driver) const
 {
   std::string why = driver == "auto" && find("driver") == nullptr ? "the usual one" : "an option";
   std::string applied;
@@ -104,6 +104,11 @@ UserDefaults::print(const std::string &driver) const
       if (filled.key == "driver")
         why = "a setting";
     }
-  std::fprintf(stderr, "%s: plays on driver=%s, %s%s\n", program_.c_str(), driver.c_str(),
-               why.c_str(), applied.c_str());
+  return "plays on driver=" + driver + ", " + why + applied;
+}
+
+void
+UserDefaults::print(const std::string &driver) const
+{
+  std::fprintf(stderr, "%s: %s\n", program_.c_str(), text(driver).c_str());
 }
