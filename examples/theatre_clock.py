@@ -82,8 +82,8 @@ class Offset:
         if not trips:
             return "no answer"
         if min(trips) > LONGEST:
-            return f"expected answers within {LONGEST / 1e6:.0f} ms, the quickest took {min(trips) / 1e6:.0f} ms"
-        return f"{len(trips)} answers so far"
+            return f"expected answers within {LONGEST / 1e6:.0f} ms, the quickest took {min(trips) / 1e6:.1f} ms"
+        return f"expected {SETTLED / 1e6} ms of uncertainty, got {self.uncertainty / 1e6:.1f} ms from {len(trips)} answers"
 
     def _trips(self):
         return [most - least for _, most, least in list(self.exchanges)]  # which its thread extends meanwhile
@@ -142,8 +142,8 @@ class Follower:
         self.offset = Offset()
         try:
             self.family, _, _, _, self.address = socket.getaddrinfo(server, port, type=socket.SOCK_DGRAM)[0]
-        except OSError as error:
-            raise SystemExit(f"expected the server's address or name, got '{server}': {error.strerror}") from error
+        except (OSError, UnicodeError) as error:
+            raise SystemExit(f"expected the server's address or name, got '{server}': {error}") from error
         threading.Thread(target=self._follow, daemon=True).start()
 
     def _exchange(self, line, seconds):

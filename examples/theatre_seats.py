@@ -59,7 +59,7 @@ class Line:
                     line = socket.socket(kind, socket.SOCK_DGRAM)
                     line.connect(address)
                 line.send(packet)
-            except OSError:  # no such name, no network, another one than before, or no server yet
+            except (OSError, UnicodeError):  # no such name, no network, another one than before, or no server yet
                 if line:
                     line.close()
                 line = None

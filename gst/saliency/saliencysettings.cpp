@@ -100,7 +100,8 @@ constexpr P kProperties[] = {
   P::choice("camera", "Effect of a traveling camera (profile=paper: none)", kPlaying,
             PROPERTY_FIELD(camera), camera_mode_type),
   P::choice("video-direction",
-            "Rotation of the picture, and with it of the grid, on the way to the screen (auto: by "
+            "Rotation and flipping of the picture, and with it of the grid, on the way to the "
+            "screen (auto: by "
             "the orientation tag)",
             kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type),
   P::number<guint64>("max-cue-duration",

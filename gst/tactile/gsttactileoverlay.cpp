@@ -244,7 +244,8 @@ static constexpr P kProperties[] = {
   P::flag("meter", "Draw a bar with the frame's strongest event and a mark at the floor",
           properties::kControllable, PROPERTY_FIELD(meter)),
   P::choice("video-direction",
-            "Rotation of the picture between this element and the screen, on which the grid is "
+            "Rotation and flipping of the picture between this element and the screen, on which "
+            "the grid is "
             "upright (auto: by the orientation tag)",
             properties::kPlaying, PROPERTY_FIELD(video_direction),
             gst_video_orientation_method_get_type),

@@ -10,6 +10,7 @@ import { changes } from '../../tools/tactile-track-desk/page/review.js';
 import { paint } from '../../tools/tactile-track-desk/page/strokes.js';
 import { formatTime, frameFrom, parseTime } from '../../tools/tactile-track-desk/page/time.js';
 import { Track } from '../../tools/tactile-track-desk/page/track.js';
+import { Transport } from '../../tools/tactile-track-desk/page/transport.js';
 
 export function timesAreReadAsTheyAreWritten() {
   for (const [text, ms] of [['0', 0], ['83', 83000], ['1:23.4', 83400], ['0:01:23,456', 83456], ['1:02:03.004', 3723004],
@@ -202,4 +203,38 @@ export function keysAreLeftToFieldsAndButtons() {
   equal(press(make('div'), 'r', { single: false }), null, 'switched off');
   equal(press(make('div'), 'F1', { single: false }), 'help');
   holds(press(make('div'), 'r', { altKey: true }) === null, 'Alt is the browser\'s');
+}
+
+/** Each change of a field or button makes the browser lay the page out anew, 60 times a second. */
+export function aPlayingFilmChangesItsTimeAlone() {
+  const bar = document.createElement('div');
+  bar.innerHTML = '<output id="duration"></output><button id="back"></button><button id="forward"></button><button id="play"></button>' +
+    '<button id="mute"></button><button id="loop"></button><select id="rate"><option>1</option></select><input id="time">';
+  document.body.append(bar);
+  const { now } = performance;
+  let ms = 1000;
+  performance.now = () => ms;
+  try {
+    const film = { duration: 60000, position: 0, paused: false, muted: false, loop: null, rate: 1 };
+    const transport = new Transport(film, () => {});
+    transport.show();
+    const changes = new MutationObserver(() => {});
+    changes.observe(bar, { attributes: true, childList: true, subtree: true, characterData: true });
+    const times = new Set();
+    for (let i = 1; i <= 60; i++) {
+      ms = 1000 + i * 1000 / 60;
+      film.position = ms - 1000;
+      transport.show();
+      times.add(document.getElementById('time').value);
+    }
+    equal(changes.takeRecords().length, 0, 'changes of buttons');
+    holds(times.size >= 5 && times.size <= 11, `about ten times in a second, got ${times.size}`);
+    film.paused = true;
+    transport.show();
+    equal(document.getElementById('time').value, formatTime(1000), 'where it has paused');
+    equal(document.getElementById('play').textContent, 'Play');
+  } finally {
+    performance.now = now;
+    bar.remove();
+  }
 }

@@ -89,8 +89,8 @@ analyze(int argc, char **argv)
       = parse_options(argc, argv, entries, common,
                       { .arguments = "[FOLDER]",
                         .summary = "Analyzes the recordings in FOLDER, or a single one, and writes "
-                                   "a calibration. A recording\nis a sound file that GStreamer can "
-                                   "decode, or a CSV file of seconds and values.",
+                                   "a calibration.\nA recording is a sound file that GStreamer can "
+                                   "decode, or a CSV file of seconds\nand values.",
                         .least = 0,
                         .most = 1 });
   const bool single = recording.is_set() && commands.is_set() && output.is_set();

@@ -91,7 +91,7 @@ check(int argc, char **argv)
                 { .arguments = "",
                   .summary
                   = "Plays a pattern and prints the timing errors of each tactor: from a frame to "
-                    "the moment\nat which the vibration has reached 90 % of its level.",
+                    "the\nmoment at which the vibration has reached 90 % of its level.",
                   .least = 0,
                   .most = 0,
                   .quiet_help = "Print only errors and the line for all tactors" });
