@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorsettings.h"
 
+#include "chair/settings.h"
 #include "tactor/mapping.h"
 
 #include <algorithm>
@@ -76,7 +77,8 @@ constexpr P kProperties[] = {
   P::number<gdouble>("delay",
                      "Delay of all vibration in ms. A negative one of the start delays all other "
                      "sinks instead",
-                     kPlaying, PROPERTY_FIELD(delay), P::Range{ -500, 500 }),
+                     kPlaying, PROPERTY_FIELD(delay),
+                     P::Range{ -chair::kMostDelay, chair::kMostDelay }),
   P::parsed<write_mapping, read_mapping>(
       "mapping",
       "Tactor of each cell, row by row, -1 for none, as in 2,1,0 (empty: cell i is tactor i)",

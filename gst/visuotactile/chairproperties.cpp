@@ -72,6 +72,27 @@ ChairProperties::open()
 }
 
 void
+ChairProperties::tell_driver()
+{
+  for (GstElement *element : elements_) {
+    GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), "driver");
+    if (spec == nullptr)
+      continue;
+    g_autofree gchar *driver = nullptr;
+    g_object_get(element, "driver", &driver, nullptr);
+    const std::lock_guard lock(mutex_);
+    const auto given = given_.find("driver");
+    const char *why = given != given_.end() && given->second == text(G_OBJECT(element), spec)
+                          ? "a setting"
+                      : is_default(G_OBJECT(element), spec) ? "the usual one"
+                                                            : "a property";
+    // The text is also debug text, which gst-launch-1.0 prints.
+    GST_ELEMENT_INFO(owner_, LIBRARY, SETTINGS, ("plays on driver=%s, %s", driver, why),
+                     ("plays on driver=%s, %s", driver, why));
+  }
+}
+
+void
 ChairProperties::close()
 {
   watch_.reset();

@@ -25,6 +25,8 @@ public:
   /// close(). Returns them.
   chair::Settings open();
   void close();
+  /// Posts the driver and its reason.
+  void tell_driver();
 
 private:
   void apply(const chair::Settings &settings, bool all);

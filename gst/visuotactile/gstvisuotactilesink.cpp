@@ -119,6 +119,8 @@ static void
 gst_visuotactile_sink_apply_settings(GstVisuotactileSink *self)
 {
   const bool felt = self->properties->open().enabled(true);
+  if (felt)
+    self->properties->tell_driver();
   if (felt == gst_element_is_locked_state(self->analysis))
     gst_visuotactile_sink_feel(self, felt);
 }

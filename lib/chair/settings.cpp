@@ -26,7 +26,7 @@ constexpr Key kKeys[] = {
   { "calibration", Kind::path, false, "Key file of tactor-calibrate" },
   { "intensity", Kind::number, true, "Factor on all levels", 0, 1 },
   { "mute", Kind::flag, true, "All motors at zero" },
-  { kDelay, Kind::number, true, "Delay of all vibration in ms", -500, 500 },
+  { kDelay, Kind::number, true, "Delay of all vibration in ms", -kMostDelay, kMostDelay },
   { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
   { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
   { "people", Kind::choice, false, "Detect faces and prefer events in them", 0, 0,

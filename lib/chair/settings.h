@@ -43,6 +43,7 @@ inline constexpr const char *kEnabled = "enabled";
 inline constexpr const char *kGrid = "grid";
 /// Delay of all vibration.
 inline constexpr const char *kDelay = "delay";
+inline constexpr double kMostDelay = 500; ///< ms, either way
 
 std::span<const Key> keys();
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -12,32 +13,36 @@ namespace listen {
 namespace {
 
 constexpr std::size_t kMostVotes = std::size_t{ 32 } << 20;
-constexpr std::size_t kVotesAtOnce = std::size_t{ 2 } << 20; ///< 8 MiB, twice
+constexpr unsigned kDigit = 11; ///< bits
 constexpr std::size_t kValues = std::size_t{ 1 } << kHashBits;
 
-/// Sorts in three rounds of 11 bits.
+/// Sorts values of twice kDigit bits.
 void
-sort_by_radix(std::vector<std::uint32_t> &values)
+sort_by_radix(std::vector<std::uint32_t> &values, std::vector<std::uint32_t> &other)
 {
-  std::vector<std::uint32_t> other(values.size());
-  for (const unsigned shift : { 0U, 11U, 22U }) {
-    std::array<std::size_t, 2049> ends{};
+  constexpr std::uint32_t kMask = (1U << kDigit) - 1;
+  other.resize(values.size());
+  for (const unsigned shift : { 0U, kDigit }) {
+    std::array<std::uint32_t, kMask + 2> ends{};
     for (const std::uint32_t value : values)
-      ends[(value >> shift & 2047U) + 1]++;
+      ends[(value >> shift & kMask) + 1]++;
     for (std::size_t i = 1; i < ends.size(); i++)
       ends[i] += ends[i - 1];
     for (const std::uint32_t value : values)
-      other[ends[value >> shift & 2047U]++] = value;
+      other[ends[value >> shift & kMask]++] = value;
     values.swap(other);
   }
 }
 
 /// Votes for one place differ by less, in units.
 constexpr std::uint32_t kSpread = 3;
+/// Units of the time line whose votes are counted at once.
+constexpr std::uint32_t kStretch = (1U << 2 * kDigit) - kSpread;
 
-/// Adds the places with the most votes to a heap of at most `most`, the least first.
+/// Adds the places with the most votes, which are distances from `from`, to a heap of at most
+/// `most`, the least first.
 void
-count_votes(std::span<const std::uint32_t> votes, std::size_t most,
+count_votes(std::span<const std::uint32_t> votes, std::uint32_t from, std::size_t most,
             std::vector<std::pair<int, std::uint32_t>> &best)
 {
   const auto greater = std::greater<std::pair<int, std::uint32_t>>();
@@ -48,7 +53,7 @@ count_votes(std::span<const std::uint32_t> votes, std::size_t most,
     const auto count = static_cast<int>(end - begin + 1);
     if (count < 2 || (best.size() >= most && count <= best.front().first))
       continue;
-    const std::uint32_t middle = votes[begin + (end - begin) / 2];
+    const std::uint32_t middle = from + votes[begin + (end - begin) / 2];
     const auto same = std::ranges::find_if(
         best, [&](const auto &one) { return middle - one.second + kSpread <= 2 * kSpread; });
     if (same != best.end()) {
@@ -124,23 +129,36 @@ HashIndex::search(std::span<const Hash> heard, std::size_t most) const
       break;
   }
   std::vector<std::pair<int, std::uint32_t>> best; // a heap, the least first
-  // Stretches of the time line one after another, so that few votes are in memory.
-  const std::uint64_t stretch = end_ / (count / kVotesAtOnce + 1) + 1;
+  struct Line
+  {
+    const std::uint32_t *next; ///< the first place that was not counted
+    const std::uint32_t *end;
+    std::uint32_t ago;
+  };
+  std::vector<Line> lines;
+  for (const Hash &hash : heard) {
+    const auto places = places_of(hash);
+    const auto ago = static_cast<std::uint32_t>(hash.frame / kUnit);
+    if (places.size() <= common)
+      lines.push_back({ .next = std::to_address(std::ranges::lower_bound(places, ago)),
+                        .end = std::to_address(places.end()),
+                        .ago = ago });
+  }
+  // Stretches of the time line one after another, so that their votes are near in memory.
   std::vector<std::uint32_t> votes;
-  for (std::uint64_t from = 0; from < end_; from += stretch) {
+  std::vector<std::uint32_t> buffer;
+  for (std::uint64_t from = 0; from < end_; from += kStretch) {
     votes.clear();
-    for (const Hash &hash : heard) {
-      const auto places = places_of(hash);
-      if (places.size() > common)
-        continue;
-      const auto ago = static_cast<std::uint32_t>(hash.frame / kUnit);
-      const auto until = std::min<std::uint64_t>(from + stretch + kSpread + ago, 0xffff'ffff);
-      for (auto at = std::ranges::lower_bound(places, from + ago);
-           at != places.end() && *at < until; ++at)
-        votes.push_back(*at - ago);
+    for (Line &line : lines) {
+      const std::uint64_t first = from + line.ago;
+      for (; line.next != line.end && *line.next - first < kStretch; line.next++)
+        votes.push_back(static_cast<std::uint32_t>(*line.next - first));
+      for (const std::uint32_t *at = line.next; at != line.end && *at - first < kStretch + kSpread;
+           at++)
+        votes.push_back(static_cast<std::uint32_t>(*at - first));
     }
-    sort_by_radix(votes);
-    count_votes(votes, most, best);
+    sort_by_radix(votes, buffer);
+    count_votes(votes, static_cast<std::uint32_t>(from), most, best);
   }
   const auto greater = std::greater<std::pair<int, std::uint32_t>>();
   Found found{ .votes = count };

@@ -1,40 +1,45 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Makes the pictures of the window: light, dark, and at 200 %. Expects APP and the plugins on GST_PLUGIN_PATH.
+"""Makes the pictures of the windows: each page light, dark and at 200 %, one in German, and the player's. Expects APP and the plugins on GST_PLUGIN_PATH.
 
 Usage: meson devenv -C build env APP=tools/visuotactile ../tests/app/screenshots.py ../docs/images/app"""
 
 import os
 import pathlib
+import subprocess
 import sys
 
-os.environ["SCREEN"] = "1200x1600x24"
+os.environ["SCREEN"] = "1600x1400x24"
 
-from app_window import App, picture, wait_until, work  # noqa: E402
+from app_window import App, picture, start, wait_until, work  # noqa: E402
 
 folder = pathlib.Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
 CHAIR = work / "config/visuotactile/chair.conf"
 CHAIR.parent.mkdir(parents=True)
+CHAIR.write_text("[chair]\ndriver=simulator\n", encoding="utf-8")
+FILM = work / "Bouncing balls.mkv"
+subprocess.run([*"gst-launch-1.0 -q tactiletestsrc num-buffers=60 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink".split(), f"location={FILM}"], check=True)
 
 
-def take(name, page, width, height, start="Feel all motors", **environment):
-    CHAIR.write_text("[chair]\ndriver=simulator\n", encoding="utf-8")
-    app = App(**environment)
+def take(suffix="", scale=1, pages=("chair", "film", "players"), feel=("Feel all motors", "row "), **environment):
+    app = App(FILM, **environment)
     app.find("label", "⚠")
-    app.key(f"ctrl+{page}")
-    if page == 1:
-        app.click("push button", start)
-        wait_until("a motor", lambda: app.find_now("label", "row "))
-    else:
-        app.find("push button" if page == 2 else "check box", "Open a film" if page == 2 else "mpv")
-    picture(folder / f"{name}.png", width, height)
+    for page in pages:
+        app.key(f"ctrl+{1 + ('chair', 'film', 'players').index(page)}")
+        if page == "chair":
+            app.click("push button", feel[0])
+            wait_until("a motor", lambda: app.find_now("label", feel[1]))
+        else:
+            app.find("push button" if page == "film" else "check box", "Open a film" if page == "film" else "mpv")
+        picture(folder / f"{page}{suffix}.png", 760 * scale, 640 * scale)
     app.quit()
 
 
-take("chair", 1, 560, 790)
-take("chair-dark", 1, 560, 790, GTK_THEME="Adwaita:dark")
-take("film", 2, 560, 790)
-take("players", 3, 560, 790)
-take("chair-200", 1, 1120, 1580, GDK_SCALE="2")
-take("chair-de", 1, 560, 790, "Motoren fühlen", LC_ALL="C.UTF-8", LANGUAGE="de")
+take()
+take("-dark", GTK_THEME="Adwaita:dark")
+take("-200", 2, GDK_SCALE="2")
+take("-de", pages=("chair",), feel=("Motoren fühlen", "Reihe "), LC_ALL="C.UTF-8", LANGUAGE="de")
+start(pathlib.Path(os.environ["APP"]).parent / "visuotactile-play", "--quiet", stderr=subprocess.DEVNULL)
+wait_until("the player's window", lambda: "640x480" in subprocess.run(["xwininfo", "-root", "-tree"], capture_output=True, text=True, check=True).stdout)
+picture(folder / "play.png", 640, 480)

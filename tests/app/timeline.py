@@ -3,21 +3,32 @@
 """The way from the window's start to the first feel with each kind of device, by keys and a screen reader: seconds and decisions, as a page.
 Pictures of each step are written to a folder. As root: a gamepad of the kernel's list is a stand-in, in a mount namespace of its own.
 
-Usage: meson devenv -C build unshare -m env APP=tools/visuotactile GAMEPADS=tests/app python3 ../tests/app/timeline.py FOLDER [WAY ...] >PAGE"""
+Usage: tests/app/installed.sh PACKAGES env GAMEPADS=build/tests/app tests/app/timeline.py FOLDER [WAY ...] >PAGE
+or, not installed: meson devenv -C build unshare -m env APP=tools/visuotactile GAMEPADS=tests/app ../tests/app/timeline.py FOLDER [WAY ...] >PAGE"""
 
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
 
-from app_window import App, Atspi, picture, start, wait_until, work
+os.environ.setdefault("APP", "/usr/bin/visuotactile")
+os.environ["PATH"] = f"{os.path.dirname(os.path.abspath(os.environ['APP']))}:{os.environ['PATH']}"
+
+from app_window import App, Atspi, picture, settings, start, wait_until, work  # noqa: E402
 
 HERE = pathlib.Path(__file__).parent
 SERVER = HERE.parent / "support/haptic_server.py"
+RUMBLE = work / "rumble"  # of the stand-in of SDL
 CHAIR = work / "config/visuotactile/chair.conf"
 folder = pathlib.Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
+
+
+def rumbles():
+    RUMBLE.unlink(missing_ok=True)
+    wait_until("a rumble", lambda: RUMBLE.exists() and RUMBLE.read_text(encoding="ascii").count("\n"))
 
 
 class Way:
@@ -30,12 +41,12 @@ class Way:
         self.times = {}
         self.begin = time.monotonic()
         self.app = App(**environment)
-        self.app.find("button", "The board")
+        self.app.find("button", "No hardware")
         self.reach("window")
 
     def reach(self, step):
         self.times[step] = time.monotonic() - self.begin
-        picture(folder / f"{self.name.replace(' ', '-')}-{step}.png", 560, 790)
+        picture(folder / f"{self.name.replace(', film in ', '-')}-{step}.png", 560, 790)
 
     def decide(self, what, act):
         self.decisions.append(what)
@@ -50,8 +61,7 @@ class Way:
         self.app.click("push button", "Feel all motors")
         felt()
         self.reach("motor")
-        self.app.click("push button", "Stop the feel test")
-        self.app.find("push button", "Feel all motors")
+        self.app.find("push button", "Feel all motors")  # the test has ended
 
     def film(self, felt):
         self.decide("page", lambda: self.app.key("ctrl+2"))
@@ -90,11 +100,12 @@ def vest():
 def intiface():
     felt = server_of("buttplug4", 12345)
     way = Way("Intiface", ["visuotactile-play --driver=intiface --device=NAME FILM"])
-    entry = way.app.find("text", "Device of Intiface")
+    way.app.find("text", "Device of Intiface")
 
     def name_it():
-        entry.set_text_contents("Test Vibrator")
-        entry.grab_focus()
+        way.app.key("alt+i")
+        way.app.find("text", "Device of Intiface", [Atspi.StateType.FOCUSED])
+        subprocess.run(["xdotool", "type", "Test Vibrator"], check=True)
         way.app.key("Return")
 
     way.decide("name of the device", name_it)
@@ -121,56 +132,77 @@ def shaker():
     way.end("the sound card is PulseAudio's null sink")
 
 
-def gamepad():
+def connect_gamepad():
     pad = pathlib.Path("/sys/class/input/event3/device")
+    if pad.exists():
+        return
     subprocess.run(["mount", "-t", "tmpfs", "none", "/sys/class/input"], check=True)
     for name, text in {"name": "Stand-in Gamepad", "capabilities/key": "1000000000000 0 0 0 0", "capabilities/ff": "10000 0", "id/vendor": "045e", "id/product": "02ea", "id/bustype": "3"}.items():
         (pad / name).parent.mkdir(parents=True, exist_ok=True)
         (pad / name).write_text(text + "\n")
-    log = work / "rumble"
+    modules = work / "modules"  # with those of the players
+    shutil.copytree(os.environ.get("VISUOTACTILE_MODULES") or next(pathlib.Path("/usr/lib").glob("*/visuotactile")), modules, ignore=shutil.ignore_patterns("*.p", "tactor-*"))
+    shutil.copy(pathlib.Path(os.environ["GAMEPADS"], "visuotactile-gamepad.so"), modules)
+    os.environ.update(VISUOTACTILE_MODULES=str(modules), GAMEPAD_LOG=str(RUMBLE))
 
-    def felt():
-        log.unlink(missing_ok=True)
-        wait_until("a rumble", lambda: log.exists() and log.read_text().count("\n"))
 
-    os.environ.update(VISUOTACTILE_MODULES=os.path.abspath(os.environ["GAMEPADS"]), GAMEPAD_LOG=str(log))
+def gamepad():
+    connect_gamepad()
     way = Way("gamepad", ["visuotactile-play --driver=gamepad FILM"])
     way.device("Stand-in Gamepad")
-    way.test(felt)
-    way.film(felt)
+    way.test(rumbles)
+    way.film(rumbles)
     way.end("the kernel's list and SDL are stand-ins")
 
-    CHAIR.unlink()
+
+def gamepad_in(player, switch, section, more, *before):
+    """A film that is opened in that player, as by the file manager."""
+    connect_gamepad()
     film = work / "film.mkv"
-    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=1800 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
-    way = Way("gamepad in Totem", ["visuotactile-settings set driver=gamepad", "visuotactile-settings on totem", "totem FILM"])
+    subprocess.run(f"gst-launch-1.0 -q tactiletestsrc num-buffers=1800 ! video/x-raw,width=320,height=240 ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
+    way = Way(f"gamepad, film in {player}", [*before, f"{player} FILM"])
     way.device("Stand-in Gamepad")
     way.decide("page", lambda: way.app.key("ctrl+3"))
-    way.decide("Totem", lambda: way.app.click("check box", "Totem"))
-    wait_until("Totem's section", lambda: "[totem]" in CHAIR.read_text(encoding="utf-8"))
-    way.decide("film", lambda: start("totem", film, stderr=subprocess.DEVNULL))
-    felt()
+    way.decide(switch, lambda: way.app.click("check box", switch))
+    wait_until("the switch", section)
+    viewer = []
+    way.decide("film", lambda: viewer.append(start(player, *more, film, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)))
+    rumbles()
     way.reach("film")
-    way.end("likewise; the film is opened as by the file manager")
+    viewer[0].terminate()
+    viewer[0].wait()
+    way.end("the kernel's list and SDL are stand-ins")
+
+
+def totem():
+    gamepad_in("totem", "Totem", lambda: "[totem]" in settings(), [], "visuotactile-settings set driver=gamepad", "visuotactile-settings on totem")
+
+
+def mpv():
+    gamepad_in("mpv", "mpv", (work / "config/mpv/scripts/visuotactile.lua").is_symlink, ["--vo=x11", "--ao=null"],
+               "mkdir -p ~/.config/mpv/scripts", "cp /usr/share/visuotactile/mpv/visuotactile.lua ~/.config/mpv/scripts", "visuotactile-settings set driver=gamepad")
 
 
 def nothing():
     way = Way("nothing", ["visuotactile-play"])
     way.device("No hardware")
-    way.test(lambda: way.app.find("label", "row 1, column 1"))
+    way.test(lambda: way.app.find("label", "row "))
     way.film(lambda: way.app.find("label", "The chair plays"))
     way.end("seen, not felt")
 
 
-WAYS = {way.__name__: way for way in (gamepad, vest, intiface, shaker, nothing)}
+WAYS = {way.__name__: way for way in (gamepad, totem, mpv, vest, intiface, shaker, nothing)}
+where = os.environ.get("INSTALLED") or "The programs are those of a build folder."
 print(f"""# First feel
 
 Made by `tests/app/timeline.py FOLDER {" ".join(sys.argv[2:] or WAYS)}`; do not edit.
 
-{os.cpu_count()} CPUs, load average {os.getloadavg()[0]:.1f} at the start, Xvfb. The test uses the window by keys and AT-SPI, without a terminal. Times are seconds from the start of the window, and most of them
-are the test's own walks over AT-SPI. The first motor is that of the feel test. The installation of the package is not timed.
+{where} {os.cpu_count()} CPUs, load average {os.getloadavg()[0]:.1f} at the start, Xvfb. The window is used by keys and
+AT-SPI, without a terminal, as soon as the test finds what it shows. Times are seconds from the start of the window. The first motor is that
+of the feel test, which plays to its end before the film is chosen.
 
-Decisions in a terminal: the terminal, and each word. In the window: each choice.
+Decisions in a terminal: the terminal, and each word of the lines in the guide before the window (commit 3908735e^). In
+the window: each choice on the way to the film. The feel test is in neither.
 
 | device | in a terminal | in the window | window | first motor | first feel of a film | |
 |---|---|---|---|---|---|---|""", flush=True)

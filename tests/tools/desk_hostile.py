@@ -8,6 +8,7 @@ import pathlib
 import random
 import shutil
 import socket
+import subprocess
 import tempfile
 import time
 
@@ -51,6 +52,16 @@ def test_who_may_ask(desk):
     wrong = ("0" if desk.path[1] != "0" else "1") + desk.path[2:]
     for path in ("/", "/session", "/" + wrong + "session", desk.path[:-1], "//", desk.path[:-2] + "/session"):
         assert desk.get(path).status == 404, path
+
+
+def test_other_users(desk):
+    """Another account may have learned the token. As root, as only root can be another one."""
+    if os.geteuid() != 0:
+        return
+    asks = f"import http.client; line = http.client.HTTPConnection('127.0.0.1', {desk.port}); line.request('GET', '{desk.path}session'); print(line.getresponse().status)"
+    for user, expected in ((65534, "403"), (0, "200")):
+        answer = subprocess.run(["setpriv", f"--reuid={user}", f"--regid={user}", "--clear-groups", "/usr/bin/python3", "-c", asks], capture_output=True, text=True, check=True)
+        assert answer.stdout.strip() == expected, (user, answer.stdout)
 
 
 def test_headers(desk):
@@ -181,7 +192,7 @@ def main():
             slow = [desk.connect() for _ in range(3)]
             slow[1].sendall(b"GET / HTTP/1.1\r\nHost: ")
             slow[2].sendall(request(desk, "POST", "edits", "Content-Length: 100") + b"{")
-            for test in (test_who_may_ask, test_headers, test_paths, test_huge_bodies, test_nonsense, test_many_connections):
+            for test in (test_who_may_ask, test_other_users, test_headers, test_paths, test_huge_bodies, test_nonsense, test_many_connections):
                 test(desk)
                 print(f"{test.__name__}: passed", flush=True)
             page = Page(desk, "still")

@@ -92,13 +92,23 @@ UserDefaults::fill_grid(gint &rows, gint &columns, gint not_given)
                      } });
 }
 
-void
-UserDefaults::print() const
+std::string
+UserDefaults::text(const std::string &driver) const
 {
+  std::string why = driver == "auto" && find("driver") == nullptr ? "the usual one" : "an option";
   std::string applied;
   for (const Filled &filled : filled_)
-    if (filled.holds())
-      applied += (applied.empty() ? "" : ", ") + filled.key + "=" + filled.value;
-  if (!applied.empty())
-    std::fprintf(stderr, "%s: settings of the user: %s\n", program_.c_str(), applied.c_str());
+    if (filled.holds()) {
+      applied += (applied.empty() ? "; settings of the user: " : ", ") + filled.key + "="
+                 + filled.value;
+      if (filled.key == "driver")
+        why = "a setting";
+    }
+  return "plays on driver=" + driver + ", " + why + applied;
+}
+
+void
+UserDefaults::print(const std::string &driver) const
+{
+  std::fprintf(stderr, "%s: %s\n", program_.c_str(), text(driver).c_str());
 }

@@ -31,8 +31,9 @@ public:
   /// After that: `grid`, which belongs to the driver, too, for sides that are `not_given`.
   void fill_grid(gint &rows, gint &columns, gint not_given);
 
-  /// After the command line: prints which settings apply, unless none does.
-  void print() const;
+  /// After the command line: the driver, its reason, and which settings apply.
+  std::string text(const std::string &driver) const;
+  void print(const std::string &driver) const;
 
 private:
   struct Filled

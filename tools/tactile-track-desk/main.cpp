@@ -182,7 +182,7 @@ main(int argc, char **argv)
     UserDefaults defaults(kProgram);
     read_desk_options(argc, argv, options, defaults);
     if (!options.common.quiet)
-      defaults.print();
+      defaults.print(options.chair.driver.text());
     gst_init(nullptr, nullptr);
     std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
     run(options);

@@ -56,7 +56,7 @@ PlayOptions::settings(double volts_max)
 {
   defaults.keep_to_driver(driver.text());
   if (source.text() != "simulator")
-    defaults.print();
+    defaults.print(driver.text("auto"));
   PlayerSettings settings{ .driver = driver.text(),
                            .device = device.text(),
                            .volts_max = volts_max,

@@ -172,7 +172,7 @@ read_command_line(int argc, char **argv, Options &options)
   const bool plays = !options.version && !options.list && !options.status && !options.pass_over
                      && options.nudge == 0 && options.nudge_film == 0;
   if (plays && !options.common.quiet)
-    defaults.print();
+    defaults.print(options.chair.driver.text());
 }
 
 /// The socket in the user's own folder, where no other user can put one.

@@ -19,6 +19,7 @@ struct PlaySettings
   bool overlay = true;          ///< the window shows the map
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
+  std::string plays_on;         ///< printed with it
   std::string track;            ///< a file of text cues that replace all other maps; empty: none
   const fusion::Profile *sound = nullptr; ///< of the film's sound; null: none is felt
 };

@@ -188,6 +188,13 @@ expect_elements(std::span<const char *const> names)
   }
 }
 
+void
+say_driver(const Options &options)
+{
+  if (!options.common.quiet)
+    std::fprintf(stderr, "%s: %s\n", kProgram, options.plays_on.c_str());
+}
+
 int
 feel_test(const Options &options)
 {
@@ -200,6 +207,7 @@ feel_test(const Options &options)
   if (options.motor != 0)
     keep_motor(motors, options.motor);
   const Owned<GstElement> sink = make_sink(chair_line(options));
+  say_driver(options);
   walk(
       sink.get(), motors,
       [&](const std::string &motor) {
@@ -222,6 +230,7 @@ run(const Options &options)
 
   PlaySettings settings;
   settings.quiet = options.common.quiet;
+  settings.plays_on = options.plays_on;
 #ifdef HAVE_LIBRARY
   const std::optional<StoredTrack> track
       = options.tracks.is_set() ? StoredTrack::find(film, options.tracks.text()) : std::nullopt;
@@ -269,6 +278,7 @@ run(const Options &options)
       if (settings.has_trace)
         settings.commands = directory / kCommands;
     }
+    say_driver(options);
     std::puts(shell_command(film, settings).c_str());
     return 0;
   }

@@ -157,8 +157,7 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--feel-test plays no film; expected none");
   defaults.keep_to_driver(options.driver.text());
   defaults.fill_grid(options.rows, options.columns, kOfDevice);
-  if (!options.common.quiet && !options.list_devices && !options.release_boards)
-    defaults.print();
+  options.plays_on = defaults.text(options.driver.text());
 }
 
 ChosenDevice

@@ -47,6 +47,7 @@ struct Options
   gboolean release_boards = FALSE;
   gboolean version = FALSE;
   CommonOptions common;
+  std::string plays_on; ///< the driver and its reason, to be printed when something plays
   std::vector<std::string> films;
 };
 

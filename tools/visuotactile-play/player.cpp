@@ -174,7 +174,8 @@ private:
         self->strip_->offer(buffer, caps, time);
       if (self->position_.exchange(end_of(buffer, time)) == 0) {
         if (!self->settings_.quiet)
-          std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
+          std::fprintf(stderr, "visuotactile-play: %s\n%s '%s'; Ctrl-C ends it\n",
+                       self->settings_.plays_on.c_str(),
                        self->settings_.recording.empty() ? "Playing" : "Recording, in real time,",
                        self->film_.title.c_str());
         self->post("playing");

@@ -34,14 +34,17 @@ number(double value)
 ChairPage::ChairPage(const Shared &shared)
     : shared_(shared), picture_([this](int motor) { test(motor); })
 {
-  add(page_, heading(_("Device")));
-  add(page_, missing_);
-  add(page_, devices_);
+  GtkWidget *settings = column();
+  gtk_widget_set_hexpand(settings, TRUE);
+  add(settings, heading(_("Device")));
+  add(settings, missing_);
+  add(settings, devices_);
   GtkWidget *again
-      = text_button(_("_Look again"), "visuotactile-settings devices", [this] { look(); });
+      = text_button(_("Look a_gain"), "visuotactile-settings devices", [this] { look(); });
   gtk_widget_set_halign(again, GTK_ALIGN_START);
-  add(page_, again);
-  add(page_, make_strength());
+  add(settings, again);
+  add(settings, make_strength());
+  add(page_, settings);
   add(page_, make_test());
   show_settings();
 }
@@ -87,7 +90,7 @@ ChairPage::make_strength()
   gtk_scale_set_draw_value(GTK_SCALE(intensity), TRUE);
   gtk_scale_set_value_pos(GTK_SCALE(intensity), GTK_POS_RIGHT);
   gtk_widget_set_tooltip_text(intensity, "visuotactile-settings set intensity=0.5");
-  delay_ = gtk_spin_button_new_with_range(-500, 500, 5);
+  delay_ = gtk_spin_button_new_with_range(-chair::kMostDelay, chair::kMostDelay, 5);
   gtk_spin_button_set_digits(GTK_SPIN_BUTTON(delay_), 1);
   gtk_widget_set_tooltip_text(delay_, "visuotactile-settings set delay=20");
   gtk_widget_set_halign(delay_, GTK_ALIGN_START);
@@ -243,13 +246,13 @@ ChairPage::show_devices(const std::vector<FoundDevice> &found,
 void
 ChairPage::name_intiface()
 {
-  GtkWidget *line = row();
-  GtkWidget *label = gtk_label_new_with_mnemonic(_("Device of _Intiface, by its name there"));
+  GtkWidget *line = column();
+  GtkWidget *label = gtk_label_new_with_mnemonic(_("Device of Intif_ace, by its name there"));
   GtkWidget *entry = gtk_entry_new();
   gtk_label_set_mnemonic_widget(GTK_LABEL(label), entry);
   gtk_accessible_update_relation(GTK_ACCESSIBLE(entry), GTK_ACCESSIBLE_RELATION_LABELLED_BY, label,
                                  nullptr, -1);
-  gtk_widget_set_hexpand(entry, TRUE);
+  gtk_label_set_xalign(GTK_LABEL(label), 0);
   connect(entry, "activate", [this, entry] {
     const std::string device = gtk_editable_get_text(GTK_EDITABLE(entry));
     if (device.empty())
@@ -372,6 +375,7 @@ ChairPage::start_test()
                                  },
                              .ended = [this](const std::string &complaint) { tested(complaint); },
                              .ends_with_window = true });
+  shared_.show_state();
 }
 
 void
@@ -383,6 +387,7 @@ ChairPage::tested(const std::string &complaint)
   const bool stopped = std::exchange(stops_, false) || next_;
   if (!stopped || complaint != "?") // of one that was stopped, too: motors may still be on
     shared_.report(complaint);
+  shared_.show_state();
   if (next_)
     shared_.when_changed([this] { start_test(); });
 }

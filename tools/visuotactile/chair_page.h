@@ -34,6 +34,10 @@ public:
   void write_all();
   /// All motors of the feel test to zero.
   void stop_test();
+  bool is_testing() const
+  {
+    return tested_ != nullptr;
+  }
 
 private:
   /// A device to choose.
@@ -76,7 +80,7 @@ private:
   void write(Value &value);
 
   const Shared &shared_;
-  GtkWidget *page_ = column();
+  GtkWidget *page_ = row();
   GtkWidget *devices_ = column();
   GtkWidget *missing_ = column();
   std::vector<Offer> offers_{};

@@ -19,7 +19,7 @@ FilmPage::FilmPage(GtkWindow *window, const Shared &shared) : window_(window), s
 {
   add(page_, heading(_("Film")));
   add(page_, title_);
-  add(page_, make_button(_("_Open a film…"), "Ctrl+O", [this] { choose(); }));
+  add(page_, make_button(_("Open a fil_m…"), "Ctrl+O", [this] { choose(); }));
   play_
       = make_button(_("_Play it on the chair"), "visuotactile-play FILM", [this] { play(false); });
   gtk_widget_add_css_class(play_, "suggested-action");
@@ -28,8 +28,8 @@ FilmPage::FilmPage(GtkWindow *window, const Shared &shared) : window_(window), s
                       [this] { edit(); });
   add(page_, edit_);
   add(page_, heading(_("No film at hand?")));
-  add(page_, make_button(_("Play an e_xample of 25 seconds"), "visuotactile-play",
-                         [this] { play(true); }));
+  example_ = make_button("", "visuotactile-play", [this] { play(true); });
+  add(page_, example_);
   set_film("");
 }
 
@@ -57,8 +57,20 @@ FilmPage::set_film(const std::string &uri)
   g_autofree gchar *base = g_file_get_basename(file);
   g_autofree gchar *shown = base ? g_filename_display_name(base) : nullptr;
   gtk_label_set_text(GTK_LABEL(title_), uri.empty() ? _("No film is open.") : shown ? shown : "");
-  gtk_widget_set_sensitive(play_, !uri.empty());
   gtk_widget_set_sensitive(edit_, !uri.empty());
+  show_buttons();
+}
+
+/// The one that was pressed stops what plays.
+void
+FilmPage::show_buttons()
+{
+  const bool film = player_ && !is_example_;
+  const bool example = player_ && is_example_;
+  set_text(play_, film ? _("_Stop the film") : _("_Play it on the chair"));
+  set_text(example_, example ? _("_Stop the film") : _("Play an e_xample of 25 seconds"));
+  gtk_widget_set_sensitive(play_, film || (!example && !uri_.empty()));
+  gtk_widget_set_sensitive(example_, !film);
 }
 
 void
@@ -107,8 +119,7 @@ FilmPage::play(bool example)
   if (!example)
     arguments.push_back(uri_);
   playing_ = example ? _("an example") : gtk_label_get_text(GTK_LABEL(title_));
-  set_text(play_, _("_Stop the film"));
-  gtk_widget_set_sensitive(play_, TRUE);
+  is_example_ = example;
   player_
       = Command::start(std::move(arguments),
                        { .line = {},
@@ -124,12 +135,12 @@ FilmPage::play(bool example)
                              [this](const std::string &complaint) {
                                player_ = nullptr;
                                playing_.clear();
-                               set_text(play_, _("_Play it on the chair"));
-                               gtk_widget_set_sensitive(play_, !uri_.empty());
+                               show_buttons();
                                if (!stops_ || complaint != "?") // it may have been stopped early
                                  shared_.report(complaint);
                                shared_.show_state();
                              } });
+  show_buttons();
   shared_.show_state();
 }
 

@@ -38,6 +38,7 @@ public:
 
 private:
   void play(bool example);
+  void show_buttons();
   void edit();
 
   GtkWindow *window_;
@@ -46,8 +47,10 @@ private:
   GtkWidget *title_ = text_label("");
   GtkWidget *play_ = nullptr;
   GtkWidget *edit_ = nullptr;
+  GtkWidget *example_ = nullptr;
   std::string uri_{};
   std::string playing_{};
+  bool is_example_ = false; ///< that plays, or played last
   bool simulated_ = false;
   std::shared_ptr<Command> player_{};
   bool stops_ = false; ///< by the user

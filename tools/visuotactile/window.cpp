@@ -20,10 +20,10 @@ namespace {
 constexpr const char *kStyle = R"(
 .motor { min-width: 40px; padding: 0 10px; min-height: 32px; border-radius: 22px; }
 .motor.felt { background: #c01c28; color: white; }
-.missing { color: #c64600; }
+.missing { background: #f9f06b; color: #241f31; padding: 6px; border-radius: 6px; }
 .off { min-height: 56px; font-weight: bold; }
 .off:checked { background: #c01c28; color: white; }
-.complaint { color: #c01c28; }
+.complaint { background: #c01c28; color: white; padding: 6px; border-radius: 6px; }
 .player { padding: 8px 12px; }
 )";
 
@@ -112,7 +112,7 @@ Window::Window(GtkApplication *application, const std::string &film_uri)
 {
   gtk_window_set_title(window_, "visuotactile");
   gtk_window_set_icon_name(window_, "org.visuotactile.Chair");
-  gtk_window_set_default_size(window_, 560, 790);
+  gtk_window_set_default_size(window_, 760, 640);
   GtkWidget *header = gtk_header_bar_new();
   GtkWidget *switcher = gtk_stack_switcher_new();
   gtk_stack_switcher_set_stack(GTK_STACK_SWITCHER(switcher), GTK_STACK(stack_));
@@ -279,7 +279,9 @@ void
 Window::show_state()
 {
   const bool is_off = gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(off_));
-  std::string state = is_off ? _("All vibration is off.") : follow_.text();
+  std::string state = is_off                ? _("All vibration is off.")
+                      : chair_.is_testing() ? _("The feel test runs.")
+                                            : follow_.text();
   if (!is_off && !film_.playing().empty())
     state = in_text("The chair plays {}.", film_.playing())
             + (film_.is_simulated() ? std::string(" ") + _("The motors are simulated.") : "");

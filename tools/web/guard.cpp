@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cstdio>
+#include <fstream>
 #include <stdexcept>
 #include <sys/random.h>
+#include <unistd.h>
 
 namespace {
 
@@ -18,6 +20,36 @@ equal(const std::string &a, const std::string &b)
   for (std::size_t i = 0; i < a.size() && i < b.size(); i++)
     difference |= static_cast<unsigned>(a[i]) ^ static_cast<unsigned>(b[i]);
   return difference == 0;
+}
+
+guint16
+port_of(GSocketAddress *address)
+{
+  return g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(address));
+}
+
+/// Whether this user has the other end of a connection on this computer, by the kernel's tables. An
+/// end that is closed is root's.
+bool
+is_of_this_user(SoupServerMessage *message)
+{
+  const unsigned remote = port_of(soup_server_message_get_remote_address(message));
+  const unsigned local = port_of(soup_server_message_get_local_address(message));
+  for (const char *table : { "/proc/net/tcp", "/proc/net/tcp6" }) {
+    std::ifstream file(table);
+    for (std::string line; std::getline(file, line);) {
+      unsigned from = 0;
+      unsigned to = 0;
+      unsigned user = 0;
+      if (std::sscanf(line.c_str(),
+                      "%*s %*[0-9A-F]:%x %*[0-9A-F]:%x %*x %*[0-9A-F:] %*[0-9A-F:] %*x %u", &from,
+                      &to, &user)
+              == 3
+          && from == remote && to == local)
+        return user == geteuid();
+    }
+  }
+  return false;
 }
 
 } // namespace
@@ -69,6 +101,9 @@ Guard::admit(SoupServerMessage *message) const
     return refuse(403, "expected the host 127.0.0.1 or localhost in the request, got another; open "
                        "the address that "
                            + program_ + " printed");
+  // It may know the token: after the end of an earlier process, it had the port.
+  if (!is_of_this_user(message))
+    return refuse(403, "expected a request of the user of the program, got another user's");
   const std::string origin = header(message, "Origin");
   if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
     return refuse(403, other_site);

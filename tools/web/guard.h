@@ -10,7 +10,7 @@
 std::string random_token();
 
 /// Admits requests, and limits them. The browser of the user is trusted with the token; other pages
-/// in it and other programs are not.
+/// in it and other users' programs are not, even with it.
 class Guard
 {
 public:

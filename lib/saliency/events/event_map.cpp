@@ -14,6 +14,11 @@ constexpr float kMost = 31;            ///< ΔE of a sample: an event is larger,
 constexpr double kSmoothing = 3;       ///< half-life of the map, frames at 30 fps
 constexpr double kEnergyHalf = 1.5;    ///< half-life of the energy, frames at 30 fps
 constexpr double kBlur = 0.0375;       ///< σ in widths of the picture
+// Where text moves, as much gets brighter as darker within kFine of the blur's σ. A share of up to
+// kOpposite loses nothing; above about 4/5, nothing is left.
+constexpr double kFine = 0.5;
+constexpr float kOpposite = 0.15F;
+constexpr float kLoss = 1.5F;
 // A thing that appears and stands is held for kHeld frames at 30 fps, more weakly toward the end,
 // while all other events are weaker than kAlone in ΔE.
 constexpr double kHeld = 15;
@@ -148,10 +153,9 @@ EventMap::reach(cv::Size map)
 
 /// Gaussian, with nothing outside.
 void
-EventMap::blur(cv::Mat &map)
+EventMap::blur(double sigma, cv::Mat &map)
 {
-  const double sigma = blur_sigma(map.size());
-  const int reach = EventMap::reach(map.size());
+  const int reach = static_cast<int>(std::ceil(2.5 * sigma));
   if (sigma != sigma_) {
     sigma_ = sigma;
     weights_.clear();
@@ -188,20 +192,61 @@ EventMap::motion_since(const Picture &then, const Look &look) const
   return then.pose == look.pose ? Similarity{} : then.pose.inverse() * look.pose;
 }
 
+/// A change at the level of the map.
+void
+EventMap::pool(const cv::Mat &change, int octaves, cv::Mat &pooled)
+{
+  const cv::Mat *finer = &change;
+  for (int i = 0; i < octaves; ++i) {
+    cv::Mat &coarser = i + 1 < octaves ? finer_[static_cast<std::size_t>(i)] : pooled;
+    reductions_[static_cast<std::size_t>(i)](*finer, coarser);
+    finer = &coarser;
+  }
+  if (octaves == 0)
+    change.copyTo(pooled);
+}
+
+/// Lowers fine texture that moves, such as text, by `weight`: as much of it gets brighter as
+/// darker, side by side, while a thing has one sign over its size. The outside of the picture
+/// counts as texture.
+void
+EventMap::weigh_coherence(const Look &look, float weight, cv::Mat &map)
+{
+  unexplained_.split(look.picture, rises_, falls_);
+  pool(rises_, look.octaves, brighter_);
+  pool(falls_, look.octaves, darker_);
+  const double sigma = kFine * blur_sigma(map.size());
+  if (inside_.size() != map.size()) {
+    inside_ = cv::Mat(map.size(), CV_32FC1, cv::Scalar(1));
+    blur(sigma, inside_);
+  }
+  for (cv::Mat *part : { &around_, &brighter_, &darker_ })
+    blur(sigma, *part);
+  for (std::size_t i = 0; i < map.total(); ++i) {
+    const float brighter = brighter_.ptr<float>()[i];
+    const float darker = darker_.ptr<float>()[i];
+    const float inside = inside_.ptr<float>()[i];
+    const float opposite
+        = inside * 2 * std::min(brighter, darker) + (1 - inside) * (brighter + darker);
+    const float all = around_.ptr<float>()[i];
+    if (opposite > kOpposite * all)
+      map.ptr<float>()[i] *= 1 - weight * std::min(1.0F, kLoss * (opposite / all - kOpposite));
+  }
+}
+
 /// Things that appeared since `then`, in ΔE.
 void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
-  const cv::Mat *pooled = &unexplained_(look.picture, then.lab, before);
-  for (int i = 0; i < look.octaves; ++i) {
-    reductions_[static_cast<std::size_t>(i)](*pooled, pooled_[static_cast<std::size_t>(i)]);
-    pooled = &pooled_[static_cast<std::size_t>(i)];
-  }
+  pool(unexplained_(look.picture, then.lab, before), look.octaves, around_);
   map.create(look.contrast.size(), CV_32FC1);
   for (std::size_t i = 0; i < map.total(); ++i)
-    map.ptr<float>()[i] = std::min(kMost, pooled->ptr<float>()[i]);
+    map.ptr<float>()[i] = std::min(kMost, around_.ptr<float>()[i]);
   weigh_onsets(look, then, before, map);
-  blur(map);
+  // Errors of the camera's motion have both signs, too.
+  if (const double way = displacement(before, look.picture.size()); way < kLeastWay)
+    weigh_coherence(look, static_cast<float>(1 - way / kLeastWay), map);
+  blur(blur_sigma(map.size()), map);
 }
 
 /// A thing that appears is an event for half a second, as long as it stays, before a camera at

@@ -82,7 +82,9 @@ private:
   void hold_onsets(const Look &look);
   const cv::Mat &settle(float scale, bool rests, double elapsed);
   void weigh_onsets(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map);
-  void blur(cv::Mat &map);
+  void pool(const cv::Mat &change, int octaves, cv::Mat &pooled);
+  void weigh_coherence(const Look &look, float weight, cv::Mat &map);
+  void blur(double sigma, cv::Mat &map);
 
   static constexpr std::size_t kMostPictures = 36;
   std::vector<Picture> past_; ///< a ring
@@ -91,9 +93,15 @@ private:
   Unexplained unexplained_;
   NoiseFloor noise_;
   std::array<Reduction, 3> reductions_;
-  std::array<cv::Mat, 3> pooled_;
+  std::array<cv::Mat, 2> finer_;
+  cv::Mat rises_; ///< of lightness
+  cv::Mat falls_;
+  cv::Mat around_; ///< the change around each sample, and the shares of lightness in it
+  cv::Mat brighter_;
+  cv::Mat darker_;
+  cv::Mat inside_; ///< the part of the surroundings within the picture
   float change_ = 0;
-  double sigma_ = 0; ///< of the blur, in samples
+  double sigma_ = 0; ///< of the weights, in samples
   std::vector<float> weights_;
   cv::Mat along_rows_;
   cv::Mat now_;

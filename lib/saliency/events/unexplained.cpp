@@ -189,4 +189,20 @@ Unexplained::operator()(const LabImage &now, const LabImage &then, const Similar
   return beyond_;
 }
 
+void
+Unexplained::split(const LabImage &now, cv::Mat &brighter, cv::Mat &darker) const
+{
+  for (cv::Mat *map : { &brighter, &darker }) {
+    map->create(beyond_.size(), CV_32FC1);
+    std::fill_n(map->ptr<float>(), map->total(), 0.0F);
+  }
+  for (std::size_t i = 0; i < beyond_.total(); ++i)
+    if (const float beyond = beyond_.ptr<float>()[i]; beyond > 0) {
+      const float then = gain_ * then_[0].ptr<float>()[i] + offset_;
+      const float rise = now.lightness().ptr<float>()[i] - then;
+      (rise > 0 ? brighter : darker).ptr<float>()[i]
+          = beyond * std::abs(rise) / difference_.ptr<float>()[i];
+    }
+}
+
 } // namespace saliency

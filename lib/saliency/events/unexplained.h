@@ -27,6 +27,10 @@ public:
   /// Returns the part of ΔE above the noise (CV_32FC1, ≥ 0); 0 outside of `then`.
   const cv::Mat &operator()(const LabImage &now, const LabImage &then, const Similarity &before);
 
+  /// The shares of lightness in it that rise and fall: their sum is the whole where no color
+  /// changes. `now` is the last call's.
+  void split(const LabImage &now, cv::Mat &brighter, cv::Mat &darker) const;
+
   /// The difference at textured places in the last pictures, in samples of displacement: about .03
   /// with a hand-held camera, .2 with one that travels.
   float misfit() const

@@ -10,6 +10,7 @@
 #include "tactile/tactile_mapping.h"
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -302,8 +303,10 @@ CHECK_TEST(test_way_of_the_camera)
       const LabImage now = picture([&](double x, double y) {
         return in_disc(x, y, 20 + 4 * i, 30, 6) ? 95.0 : texture(x + x0, y);
       });
-      peak = largest(events(
-          { .picture = now, .contrast = contrast(10), .pose = { 1, 0, x0, 0 }, .elapsed = 1 }));
+      cv::Mat around = contrast();
+      cv::circle(around, { 10 + 2 * i, 15 }, 3, 20, cv::FILLED);
+      peak = largest(
+          events({ .picture = now, .contrast = around, .pose = { 1, 0, x0, 0 }, .elapsed = 1 }));
     }
     return std::pair(peak, events.energy());
   };
@@ -315,6 +318,77 @@ CHECK_TEST(test_way_of_the_camera)
     fail_unless_near(moved * (1 + way) / still, 1, 0.15);
     fail_unless_near(moved_energy / energy, 1, 0.15);
   }
+}
+
+namespace {
+
+/// The map's maximum within the middle half of the rows, and the last second of two, while a
+/// pattern scrolls up by a quarter of a sample a frame before `ground`. The pattern returns whether
+/// its white covers (x, y).
+double
+scroll(const std::function<double(double x, double y)> &ground,
+       const std::function<bool(double x, double y)> &white)
+{
+  EventMap events;
+  double most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto now = [&](double x, double y) {
+      // A quarter of a sample is seen as a gray.
+      double share = 0;
+      for (const double part : { 0.125, 0.375, 0.625, 0.875 })
+        share += white(x, y + 0.25 * i + part) ? 0.25 : 0;
+      return ground(x, y) + share * (95 - ground(x, y));
+    };
+    cv::Mat around = contrast();
+    for (int y = 0; y < around.rows; ++y)
+      for (int x = 0; x < around.cols; ++x)
+        around.at<float>(y, x) = now(2 * x, 2 * y) > ground(2 * x, 2 * y) + 6 ? 20 : 0;
+    const cv::Mat &map = events({ .picture = picture(now), .contrast = around, .elapsed = 1 });
+    if (i >= 30)
+      most = std::max(most, largest(map.rowRange(map.rows / 4, map.rows - map.rows / 4)));
+  }
+  return most;
+}
+
+} // namespace
+
+/// Lines of words that scroll change four times as much as things of the same contrast and speed, a
+/// bar over many lines and a disc as high as two of them, and are weaker.
+CHECK_TEST(test_text_and_things)
+{
+  const double floor = tactile::MappingSettings::tuned().floor;
+  for (const auto &ground : { even, texture }) {
+    const double text = scroll(ground, [](double x, double y) {
+      return x > 30 && x < 60 && std::fmod(x, 8) < 6 && std::fmod(y, 4) < 2;
+    });
+    const double bar
+        = scroll(ground, [](double x, double y) { return x > 30 && x < 60 && y > 40 && y < 60; });
+    fail_unless(bar > floor, "bar %g", bar);
+    const double disc = scroll(ground, [](double x, double y) { return in_disc(x, y, 45, 38, 4); });
+    fail_unless(disc > floor, "disc %g", disc);
+    fail_unless_at_most(text / std::min(bar, disc), 0.7);
+  }
+}
+
+/// A change of color has no sign, whatever lightness does a little: stripes of two colors that
+/// appear are as strong as one color. Stripes of lightness are not.
+CHECK_TEST(test_colors_have_no_sign)
+{
+  const auto after = [](bool stripes, int plane, float lightness) {
+    EventMap events;
+    events({ .picture = picture(even), .contrast = contrast(10) });
+    LabImage now = picture(even);
+    for (int y = 15; y < 30; ++y)
+      for (int x = 30; x < 45; ++x) {
+        const float sign = stripes && x % 2 == 1 ? -1 : 1;
+        now.planes[0].at<float>(y, x) += sign * lightness;
+        now.planes[static_cast<std::size_t>(plane)].at<float>(y, x) += sign * 40;
+      }
+    return largest(events({ .picture = now, .contrast = contrast(10), .elapsed = 1 }));
+  };
+  for (const int color : { 1, 2 })
+    fail_unless_near(after(true, color, 0.5F) / after(false, color, 0.5F), 1, 0.05);
+  fail_unless_at_most(after(true, 0, 0) / after(false, 0, 0), 0.1);
 }
 
 CHECK_TEST(test_rebase)

@@ -385,15 +385,15 @@ CHECK_TEST(test_hostile_entry)
   fail_unless(entry.hashes(0).size() == 1 && entry.hashes(0)[0].frame == 10);
 }
 
-/// So many votes that a search counts them in stretches of the time line: the place is found
-/// wherever it is, and what comes after a stretch is not missed.
+/// Votes are counted in stretches of the time line: the place is found wherever it is, also where
+/// two stretches meet.
 CHECK_TEST(test_stretches)
 {
-  constexpr std::int64_t kFrames = 62 * 600;
+  constexpr std::int64_t kFrames = 62 * 1200;
   constexpr std::size_t kCrowd = 120;
   const std::vector<std::int64_t> films(kCrowd, kFrames);
-  for (const std::size_t mine : { std::size_t{ 0 }, std::size_t{ 59 }, kCrowd - 1 })
-    for (const std::int64_t at : { std::int64_t{ 0 }, std::int64_t{ 20'000 } }) {
+  for (const std::size_t mine : { std::size_t{ 0 }, std::size_t{ 106 }, kCrowd - 1 })
+    for (const std::int64_t at : { std::int64_t{ 0 }, std::int64_t{ 63'718 } }) {
       const listen::HashIndex index(
           films,
           [&](std::size_t film, unsigned) {
@@ -401,7 +401,7 @@ CHECK_TEST(test_stretches)
             std::vector<listen::RankedHash> hashes;
             for (std::int64_t frame = 0; frame < kFrames; frame += 2)
               hashes.push_back(
-                  { .frame = frame, .value = static_cast<std::uint32_t>(random.below(60'000)) });
+                  { .frame = frame, .value = static_cast<std::uint32_t>(random.below(120'000)) });
             for (std::uint32_t i = 0; film == mine && i < 40; i++)
               hashes[static_cast<std::size_t>(at) / 2 + i].value = 100 + i;
             return hashes;
@@ -410,14 +410,13 @@ CHECK_TEST(test_stretches)
       std::vector<listen::Hash> heard;
       for (std::uint32_t i = 0; i < 40; i++)
         for (int times = 0; times < 20; times++)
-          heard.push_back({ .frame = 2 * i, .value = 100 + i });
+          heard.push_back({ .frame = 2 * i + i % 2 * 2, .value = 100 + i });
       for (std::uint32_t value = 0; value < 60'000; value++)
         heard.insert(heard.end(), 2, { .frame = 0, .value = value });
       const auto found = index.search(heard, 3);
-      fail_unless(found.votes > 2'500'000, "%zu votes", found.votes);
       fail_unless(!found.places.empty() && found.places[0].film == mine
                       && std::abs(found.places[0].frame - at) <= 2 && found.places[0].votes >= 800,
-                  "film %zu", mine);
+                  "film %zu, frame %ld", mine, static_cast<long>(at));
     }
 }
 
