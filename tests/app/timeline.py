@@ -103,7 +103,7 @@ def intiface():
     way.app.find("text", "Device of Intiface")
 
     def name_it():
-        way.app.key("alt+i")
+        way.app.key("alt+a")
         way.app.find("text", "Device of Intiface", [Atspi.StateType.FOCUSED])
         subprocess.run(["xdotool", "type", "Test Vibrator"], check=True)
         way.app.key("Return")

@@ -440,6 +440,8 @@ CAPTION
       pool=${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile-sounds
       "$root/tests/bench/listen_pool.sh" "$pool" >&2
       "$built/tests/bench/listen" "$pool/listen" "${@:-1000}"
+      echo
+      "$built/tests/bench/listen" --among 1000 "$pool/listen" 300 2
       cat <<'CAPTION'
 
 ## Commands against the picture

@@ -151,7 +151,7 @@ EventMap::reach(cv::Size map)
   return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
 }
 
-/// Gaussian, with nothing outside.
+/// Gaussian, with nothing outside. Most of a map is 0.
 void
 EventMap::blur(double sigma, cv::Mat &map)
 {
@@ -166,23 +166,35 @@ EventMap::blur(double sigma, cv::Mat &map)
       weights_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum));
   }
   clear(map.size(), along_rows_);
-  for (int y = 0; y < map.rows; ++y)
-    for (int i = -reach; i <= reach; ++i) {
+  rows_.assign(static_cast<std::size_t>(map.rows), {});
+  for (int y = 0; y < map.rows; ++y) {
+    const auto *in = map.ptr<float>(y);
+    const auto *end = in + map.cols;
+    const int first = static_cast<int>(std::find_if(in, end, [](float v) { return v != 0; }) - in);
+    int last = map.cols; // of the samples that are not 0, plus one
+    while (last > first && in[last - 1] == 0)
+      --last;
+    auto *out = along_rows_.ptr<float>(y);
+    for (int i = -reach; first < last && i <= reach; ++i) {
       const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      const auto *in = map.ptr<float>(y);
-      auto *out = along_rows_.ptr<float>(y);
-      for (int x = std::max(0, -i); x < std::min(map.cols, map.cols - i); ++x)
+      for (int x = std::max(0, first - i); x < std::min(map.cols, last - i); ++x)
         out[x] += weight * in[x + i];
     }
+    if (first < last)
+      rows_[static_cast<std::size_t>(y)]
+          = { std::max(0, first - reach), std::min(map.cols, last + reach) };
+  }
   clear(map.size(), map);
-  for (int y = 0; y < map.rows; ++y)
+  for (int y = 0; y < map.rows; ++y) {
+    const auto *in = along_rows_.ptr<float>(y);
+    const cv::Range row = rows_[static_cast<std::size_t>(y)];
     for (int i = std::max(-reach, -y); i <= std::min(reach, map.rows - 1 - y); ++i) {
       const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      const auto *in = along_rows_.ptr<float>(y + i);
-      auto *out = map.ptr<float>(y);
-      for (int x = 0; x < map.cols; ++x)
+      auto *out = map.ptr<float>(y + i);
+      for (int x = row.start; x < row.end; ++x)
         out[x] += weight * in[x];
     }
+  }
 }
 
 /// The map from samples of now to samples of `then`.

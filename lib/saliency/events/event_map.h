@@ -104,6 +104,7 @@ private:
   double sigma_ = 0; ///< of the weights, in samples
   std::vector<float> weights_;
   cv::Mat along_rows_;
+  std::vector<cv::Range> rows_; ///< the part of each row that is not 0
   cv::Mat now_;
   cv::Mat held_;     ///< the strongest event of the last half second
   cv::Mat held_age_; ///< its age, in frames at 30 fps
