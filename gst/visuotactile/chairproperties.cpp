@@ -71,6 +71,17 @@ ChairProperties::open()
   return settings;
 }
 
+/// Why a property has its value.
+const char *
+ChairProperties::reason(GstElement *element, GParamSpec *spec)
+{
+  const std::lock_guard lock(mutex_);
+  const auto given = given_.find(spec->name);
+  if (given != given_.end() && given->second == text(G_OBJECT(element), spec))
+    return "settings";
+  return is_default(G_OBJECT(element), spec) ? "default" : "property";
+}
+
 void
 ChairProperties::tell_driver()
 {
@@ -80,15 +91,10 @@ ChairProperties::tell_driver()
       continue;
     g_autofree gchar *driver = nullptr;
     g_object_get(element, "driver", &driver, nullptr);
-    const std::lock_guard lock(mutex_);
-    const auto given = given_.find("driver");
-    const char *why = given != given_.end() && given->second == text(G_OBJECT(element), spec)
-                          ? "a setting"
-                      : is_default(G_OBJECT(element), spec) ? "the usual one"
-                                                            : "a property";
+    const char *why = reason(element, spec);
     // The text is also debug text, which gst-launch-1.0 prints.
-    GST_ELEMENT_INFO(owner_, LIBRARY, SETTINGS, ("plays on driver=%s, %s", driver, why),
-                     ("plays on driver=%s, %s", driver, why));
+    GST_ELEMENT_INFO(owner_, LIBRARY, SETTINGS, ("plays on driver=%s (%s)", driver, why),
+                     ("plays on driver=%s (%s)", driver, why));
   }
 }
 

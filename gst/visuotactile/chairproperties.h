@@ -32,6 +32,7 @@ private:
   void apply(const chair::Settings &settings, bool all);
   void give(const char *property, const std::optional<std::string> &value);
   void complain(const chair::Settings &settings);
+  const char *reason(GstElement *element, GParamSpec *spec);
 
   GstElement *owner_;
   std::vector<GstElement *> elements_;

@@ -113,7 +113,7 @@ refused measure other --step=0
 refused measure other --source="nosuchsource" --driver=simulator
 # Nothing is plugged in: nothing is measured.
 refused measure unplugged --source="audiotestsrc is-live=true"
-head -n 1 err | grep -q "the motors are simulated: no tactor board is plugged in" || fail "$(cat err)"
+head -n 2 err | grep -q "the motors are simulated: no tactor board is plugged in" || fail "$(cat err)"
 refused analyze nowhere
 refused analyze --recording=simulated --commands=chair/run-002.csv --output=x
 refused show nowhere

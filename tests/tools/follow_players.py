@@ -185,7 +185,13 @@ class Kodi(Player):
         wait_until("Kodi", lambda: self._call("JSONRPC.Ping") == "pong")
         self._call("Player.Open", item={"file": str(film)})
         wait_until("the film", lambda: self._call("Player.GetActivePlayers"))
-        self.pause()
+        wait_until("a film that pauses", self._pauses)  # an active player can still be about to open it
+
+    def _pauses(self):
+        try:
+            return self.pause()
+        except AssertionError:
+            return None
 
     def prepare(self, stage):
         data = self.home / ".kodi" / "userdata"

@@ -19,7 +19,7 @@ prints_pipeline() {
   mkdir -- "$1"
   play --print-pipeline --rows 2 -o "$1" "$2"
   expect_status 0
-  expect_line err '^visuotactile-play: plays on driver=auto, the usual one$'
+  expect_line err '^visuotactile-play: plays on driver=auto \(default\)$'
   [ "$(wc -l <out)" -eq 1 ] || fail "not one line: $(cat out)"
   expect_line out "^gst-launch-1.0 .* rows=2 "
   expect_only "$1"

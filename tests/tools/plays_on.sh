@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# All programs and the sinks say in one line on which driver they play, and why: the usual one, a setting of the user, or an option.
+# All programs and the sinks say in one line on which driver they play, and why: default, settings, option or property.
 # Expects the programs PLAY, FOLLOW, TRACK and CALIBRATE, and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 work=$(mktemp -d)
@@ -43,11 +43,11 @@ sink() {
   grep -qF "$line" messages || { echo "expected '$line' of visuotactilesink $*, got: $(cat messages)"; exit 1; }
 }
 
-all 'plays on driver=auto, the usual one'
-sink 'plays on driver=auto, the usual one'
-all 'plays on driver=simulator, an option' --driver=simulator
-sink 'plays on driver=simulator, a property' driver=simulator
+all 'plays on driver=auto (default)'
+sink 'plays on driver=auto (default)'
+all 'plays on driver=simulator (option)' --driver=simulator
+sink 'plays on driver=simulator (property)' driver=simulator
 printf '[chair]\ndriver=simulator\nintensity=0.5\n' >"$file"
-all 'plays on driver=simulator, a setting; settings of the user: driver=simulator, intensity=0.5'
-sink 'plays on driver=simulator, a setting'
-all 'plays on driver=auto, an option; settings of the user: intensity=0.5' --driver=auto
+all 'plays on driver=simulator (settings); settings of the user: driver=simulator, intensity=0.5'
+sink 'plays on driver=simulator (settings)'
+all 'plays on driver=auto (option); settings of the user: intensity=0.5' --driver=auto

@@ -191,7 +191,7 @@ lacks() {
 expect 0 unset mute grid
 line
 lacks intensity=
-[ "$(cat said)" = 'visuotactile-play: plays on driver=auto, the usual one' ] || fail "without settings it says: $(cat said)"
+[ "$(cat said)" = 'visuotactile-play: plays on driver=auto (default)' ] || fail "without settings it says: $(cat said)"
 expect 0 set driver=simulator device=chair grid=2x4 mapping=7,6,5,4,3,2,1,0 intensity=0.5 mute=true delay=20 sensitivity=2 density=0.25 people=fast sound=music
 line
 for setting in driver=simulator rows=2 columns=4 intensity=0.5 mute=true delay=20 sensitivity=2 density=0.25 people=fast 'mapping="7,6,5,4,3,2,1,0"'; do

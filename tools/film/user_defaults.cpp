@@ -95,16 +95,16 @@ UserDefaults::fill_grid(gint &rows, gint &columns, gint not_given)
 std::string
 UserDefaults::text(const std::string &driver) const
 {
-  std::string why = driver == "auto" && find("driver") == nullptr ? "the usual one" : "an option";
+  std::string why = driver == "auto" && find("driver") == nullptr ? "default" : "option";
   std::string applied;
   for (const Filled &filled : filled_)
     if (filled.holds()) {
       applied += (applied.empty() ? "; settings of the user: " : ", ") + filled.key + "="
                  + filled.value;
       if (filled.key == "driver")
-        why = "a setting";
+        why = "settings";
     }
-  return "plays on driver=" + driver + ", " + why + applied;
+  return "plays on driver=" + driver + " (" + why + ")" + applied;
 }
 
 void

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <netinet/in.h>
+#include <sstream>
 #include <stdexcept>
 #include <sys/random.h>
 #include <unistd.h>
@@ -22,34 +24,40 @@ equal(const std::string &a, const std::string &b)
   return difference == 0;
 }
 
-guint16
-port_of(GSocketAddress *address)
+/// An end of a connection as the kernel writes it, such as 0100007F:1F90. Empty if it is unknown.
+std::string
+end_of(GSocketAddress *address)
 {
-  return g_inet_socket_address_get_port(G_INET_SOCKET_ADDRESS(address));
+  sockaddr_in end{};
+  if (!address || !g_socket_address_to_native(address, &end, sizeof end, nullptr))
+    return "";
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%08X:%04X", end.sin_addr.s_addr, ntohs(end.sin_port));
+  return text.data();
 }
 
-/// Whether this user has the other end of a connection on this computer, by the kernel's tables. An
-/// end that is closed is root's.
+/// Whether the other end of a connection on this computer is another user's, or nobody's because it
+/// was closed, by the kernel's table (proc(5): /proc/net/tcp). Without a table nobody is refused.
 bool
-is_of_this_user(SoupServerMessage *message)
+is_of_another_user(SoupServerMessage *message)
 {
-  const unsigned remote = port_of(soup_server_message_get_remote_address(message));
-  const unsigned local = port_of(soup_server_message_get_local_address(message));
-  for (const char *table : { "/proc/net/tcp", "/proc/net/tcp6" }) {
-    std::ifstream file(table);
-    for (std::string line; std::getline(file, line);) {
-      unsigned from = 0;
-      unsigned to = 0;
-      unsigned user = 0;
-      if (std::sscanf(line.c_str(),
-                      "%*s %*[0-9A-F]:%x %*[0-9A-F]:%x %*x %*[0-9A-F:] %*[0-9A-F:] %*x %u", &from,
-                      &to, &user)
-              == 3
-          && from == remote && to == local)
-        return user == geteuid();
-    }
+  const std::string remote = end_of(soup_server_message_get_remote_address(message));
+  const std::string local = end_of(soup_server_message_get_local_address(message));
+  std::ifstream table("/proc/net/tcp");
+  if (!table)
+    return false;
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream row(line);
+    std::string number, from, to, state, queues, timer, retransmits;
+    unsigned user = 0;
+    unsigned timeout = 0;
+    unsigned inode = 0;
+    row >> number >> from >> to >> state >> queues >> timer >> retransmits >> user >> timeout
+        >> inode;
+    if (from == remote && to == local)
+      return user != geteuid() || inode == 0;
   }
-  return false;
+  return true;
 }
 
 } // namespace
@@ -101,9 +109,6 @@ Guard::admit(SoupServerMessage *message) const
     return refuse(403, "expected the host 127.0.0.1 or localhost in the request, got another; open "
                        "the address that "
                            + program_ + " printed");
-  // It may know the token: after the end of an earlier process, it had the port.
-  if (!is_of_this_user(message))
-    return refuse(403, "expected a request of the user of the program, got another user's");
   const std::string origin = header(message, "Origin");
   if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
     return refuse(403, other_site);
@@ -113,6 +118,10 @@ Guard::admit(SoupServerMessage *message) const
       || !equal(path.substr(1, slash - 1), token_))
     return refuse(404,
                   "there is no such page; the address that " + program_ + " printed is complete");
+  // A browser sends the token to any program that has the port after the end of this one.
+  if (is_of_another_user(message))
+    return refuse(403, "expected a request of the user who runs " + program_
+                           + ", got another user's; start the browser as that user");
   std::string rest = path.substr(slash + 1);
   const std::string site = header(message, "Sec-Fetch-Site");
   const bool opens_page = rest.empty() && header(message, "Sec-Fetch-Mode") == "navigate";
