@@ -61,9 +61,9 @@ Decision::take(std::span<const Candidate> found, std::int64_t now, const Newer &
     }
   if (other > kAlike || same_film > kRepeated)
     return std::nullopt;
-  const std::int64_t since = hopes_.front().since;
+  const Hope &first = hopes_.front(); // of the best
   if ((best.score < kCertain || other > kAlone)
-      && (now - since < kNew || newer(best, since) < kNewSure))
+      && (now - first.since < kNew || newer(first.candidate, first.since) < kNewSure))
     return std::nullopt;
   hopes_.clear();
   return best;
