@@ -335,10 +335,8 @@ static bool
 gst_visuotactile_decoder_open(GstVisuotactileDecoder *self)
 {
   const chair::Settings settings = self->properties->open();
-  if (settings.enabled(!settings.others)) {
-    self->properties->tell_driver();
+  if (settings.enabled(!settings.others))
     return true;
-  }
   GST_INFO_OBJECT(self, "switched off for this program");
   self->properties->close();
   return false;

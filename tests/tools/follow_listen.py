@@ -100,7 +100,7 @@ def file():
     other = make_sound(work / "other.wav", 6, 12)
     listener = Listener("other", f"--listen={other}", f"--tracks={library}", "--mpv=/nowhere")
     listener.end()
-    assert "plays" not in listener.said(), listener.said()
+    assert "plays '" not in listener.said(), listener.said()
     # A file that cannot be decoded, alone and with a player that has not played.
     text = work / "text.wav"
     text.write_text("no sound", encoding="utf-8")

@@ -109,6 +109,7 @@ def play():
     assert commands[-1]["effect_ns"] == "1500000000" and float(commands[-1]["volts"]) == 0, commands
     with subprocess.Popen([os.environ["TRACK"], "desk", played, "--no-browser", "--driver=simulator", f"--tracks={address}"],
                           stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as desk:
+        desk.stderr.readline()  # its driver
         expect(desk.stderr.readline(), "is a copy of", "Of%20it.csv")
         desk.stdout.readline()  # its address
         desk.send_signal(signal.SIGINT)
