@@ -274,8 +274,8 @@ mux_fails() {
   chmod +x bin/mkvmerge
   for signal in INT TERM HUP; do
     rm -f copying
-    # Commands in the background ignore SIGINT, which programs leave so.
-    PATH=$PWD/bin:$PATH env --default-signal=INT "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err &
+    # Commands in the background ignore SIGINT, those of nohup SIGHUP, which programs leave so.
+    PATH=$PWD/bin:$PATH env --default-signal=INT,HUP "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err &
     pid=$!
     until [ -e copying ]; do
       kill -0 "$pid" || fail "it ended: $(cat err)"
