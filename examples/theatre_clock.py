@@ -83,6 +83,8 @@ class Offset:
             return "no answer"
         if min(trips) > LONGEST:
             return f"expected answers within {LONGEST / 1e6:.0f} ms, the quickest took {min(trips) / 1e6:.1f} ms"
+        if self.uncertainty == float("inf"):
+            return f"expected {2 * DENSITY} answers that agree, got {len(trips)}"
         return f"expected {SETTLED / 1e6} ms of uncertainty, got {self.uncertainty / 1e6:.1f} ms from {len(trips)} answers"
 
     def _trips(self):

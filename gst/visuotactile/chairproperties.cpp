@@ -83,7 +83,7 @@ ChairProperties::reason(GstElement *element, GParamSpec *spec)
 }
 
 void
-ChairProperties::tell_driver()
+ChairProperties::post_driver()
 {
   for (GstElement *element : elements_) {
     GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), "driver");

@@ -26,7 +26,7 @@ public:
   chair::Settings open();
   void close();
   /// Posts the driver and its reason.
-  void tell_driver();
+  void post_driver();
 
 private:
   void apply(const chair::Settings &settings, bool all);

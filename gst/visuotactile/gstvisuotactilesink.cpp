@@ -120,7 +120,7 @@ gst_visuotactile_sink_apply_settings(GstVisuotactileSink *self)
 {
   const bool felt = self->properties->open().enabled(true);
   if (felt)
-    self->properties->tell_driver();
+    self->properties->post_driver();
   if (felt == gst_element_is_locked_state(self->analysis))
     gst_visuotactile_sink_feel(self, felt);
 }

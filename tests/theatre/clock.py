@@ -182,8 +182,13 @@ for n in range(400):
 if far.settled or [*said, far.hindrance] != ["no answer", "expected answers within 40 ms, the quickest took 50.0 ms"]:
     print(f"FAILED: {said}, {far.hindrance}, settled: {far.settled}")
     failed += 1
-# So does one whose answers scatter.
+# So does one whose answers scatter, or are few.
 scattered, chance = Offset(), random.Random(1)
+scattered.add(BEGIN, BEGIN + AHEAD, BEGIN + 10**6)
+scattered.fit(BEGIN + 10**6)
+if scattered.hindrance != "expected 20 answers that agree, got 1":
+    print(f"FAILED: {scattered.hindrance}")
+    failed += 1
 for n in range(40):
     now = BEGIN + n * SECOND // 4
     there, back = (chance.randrange(1, 200) * 10**6 for _ in range(2))
