@@ -30,7 +30,7 @@ constexpr Key kKeys[] = {
   { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
   { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
   { "people", Kind::choice, false, "Detect faces and prefer events in them", 0, 0,
-    "off, fast, thorough" },
+    "auto, off, fast, thorough" },
   { "sound", Kind::choice, true, "Profile of the sound, in programs with a soundtactile", 0, 0,
     "off, film, music, dialogue-heavy, bass-shaker" },
 };
