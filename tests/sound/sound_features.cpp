@@ -54,12 +54,11 @@ main(int argc, char **argv)
   if (argc < 2 || argc > 3)
     return 2;
   const std::string_view of = argv[1];
-  if (argc == 2)
-    return std::printf("%d", of == "rumble" ? int{ sound::RumbleFeatures::count }
-                                            : Onset::kCount + Onset::kLaterCount)
-                   > 0
-               ? 0
-               : 1;
+  if (argc == 2) {
+    const std::size_t count
+        = of == "rumble" ? sound::RumbleFeatures::count : Onset::kCount + Onset::kLaterCount;
+    return std::printf("%zu", count) > 0 ? 0 : 1;
+  }
   std::ifstream file(argv[2], std::ios::binary);
   const std::vector<char> bytes{ std::istreambuf_iterator<char>(file), {} };
   const std::span frames(reinterpret_cast<const float *>(bytes.data()),
