@@ -94,6 +94,12 @@ class App:
         except GLib.Error:
             return
 
+    def controls(self):
+        """Role and name of all that can have the focus and is shown."""
+        states = (Atspi.StateType.FOCUSABLE, Atspi.StateType.SHOWING)
+        nodes = [node for node in self.all() if all(node.get_state_set().contains(state) for state in states)]
+        return [(node.get_role_name(), node.get_name() or "") for node in nodes]
+
     def find_now(self, role, name, states=()):
         """GTK 4.8 and 4.18 have different buttons: `role` may be a part of it."""
         def is_it(node):

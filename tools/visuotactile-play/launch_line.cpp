@@ -2,6 +2,7 @@
 #include "launch_line.h"
 
 #include "film/pipeline.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -89,8 +90,8 @@ video_encoder()
     return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
   if (have_element("vp9enc"))
     return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
-  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
-                           "(gstreamer1.0-plugins-good) is installed");
+  throw std::runtime_error(_("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor "
+                             "vp9enc (gstreamer1.0-plugins-good) is installed"));
 }
 
 std::string

@@ -7,6 +7,7 @@
 #include "film/live_settings.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 #include <gst/video/navigation.h>
@@ -174,9 +175,10 @@ private:
         self->strip_->offer(buffer, caps, time);
       if (self->position_.exchange(end_of(buffer, time)) == 0) {
         if (!self->settings_.quiet)
-          std::fprintf(stderr, "visuotactile-play: %s\n%s '%s'; Ctrl-C ends it\n",
+          std::fprintf(stderr, _("visuotactile-play: %s\n%s '%s'; Ctrl-C ends it\n"),
                        self->settings_.plays_on.c_str(),
-                       self->settings_.recording.empty() ? "Playing" : "Recording, in real time,",
+                       self->settings_.recording.empty() ? _("Playing")
+                                                         : _("Recording, in real time,"),
                        self->film_.title.c_str());
         self->post("playing");
       }
@@ -229,7 +231,7 @@ private:
     } else if (key == "space" || key == "p") {
       paused_ = !paused_;
       gst_element_set_state(pipeline_.get(), paused_ ? GST_STATE_PAUSED : GST_STATE_PLAYING);
-      say((paused_ ? "Paused at " : "Playing from ") + clock_time(shown_.load()));
+      say((paused_ ? _("Paused at ") : _("Playing from ")) + clock_time(shown_.load()));
     } else if (const auto by = seek_of(key)) {
       seek(*by);
     } else if (const std::string line = turn(key, analysis_.get(), chair_.get()); !line.empty()) {
@@ -257,13 +259,13 @@ private:
         || !gst_element_seek_simple(
             silent_.load() ? overlay.get() : pipeline_.get(), GST_FORMAT_TIME,
             static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
-      say("This film cannot be moved to another time");
+      say(_("This film cannot be moved to another time"));
       return;
     }
     report_.moved = true;
     shown_ = static_cast<GstClockTime>(to); // the next key may come before a frame
     say(clock_time(static_cast<GstClockTime>(to))
-        + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? " of " + clock_time(film_.duration) : ""));
+        + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? _(" of ") + clock_time(film_.duration) : ""));
   }
 
   void say(const std::string &line)
@@ -373,7 +375,7 @@ private:
       if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
         break; // the warning about the missing decoder is clearer
       progress_.clear();
-      std::fprintf(stderr, "warning: %s\n", error->message);
+      std::fprintf(stderr, _("warning: %s\n"), error->message);
       break;
     }
     case GST_MESSAGE_INFO: {
@@ -457,7 +459,7 @@ private:
       return static_cast<double>(time) / GST_SECOND;
     };
     g_autofree gchar *of = GST_CLOCK_TIME_IS_VALID(film_.duration)
-                               ? g_strdup_printf(" of %.1f s", seconds(film_.duration))
+                               ? g_strdup_printf(_(" of %.1f s"), seconds(film_.duration))
                                : g_strdup("");
     g_autofree gchar *text = g_strdup_printf("%6.1f s%s", seconds(position), of);
     progress_.show(text + counts());
