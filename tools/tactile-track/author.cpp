@@ -297,8 +297,10 @@ private:
     double done = 0;
     for (std::size_t i = 0; i < next_; i++)
       done += jobs_[i]->progress();
-    progress_.show(std::to_string(std::lround(100 * done / static_cast<double>(jobs_.size())))
-                   + " % of " + std::to_string(jobs_.size()) + " films");
+    progress_.show(
+        in_text("{} % of {} films",
+                std::to_string(std::lround(100 * done / static_cast<double>(jobs_.size()))),
+                std::to_string(jobs_.size())));
     return G_SOURCE_CONTINUE;
   }
 

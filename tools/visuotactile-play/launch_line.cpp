@@ -62,7 +62,10 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   if (!settings.picture.empty())
     line += settings.picture;
   else if (settings.window)
-    line += "autovideosink";
+    line += (have_element("textoverlay")
+                 ? "textoverlay name=words silent=true valignment=top halignment=left ! "
+                 : "")
+            + std::string("autovideosink");
   else if (settings.recording.empty())
     line += "fakesink sync=true";
   else

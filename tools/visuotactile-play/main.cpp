@@ -251,7 +251,11 @@ run(const Options &options)
   settings.sound = has_track ? nullptr : sound_profile(options.sound.text());
   if (settings.sound)
     expect_elements(kSoundElements);
-  settings.window = !options.no_window && have_display();
+  const std::string sink = options.no_window ? "" : video_sink();
+  settings.window = !sink.empty();
+  // That of Wayland has a window of its own.
+  settings.titled = sink == "xvimagesink" || sink == "ximagesink"
+                    || (sink == "glimagesink" && g_getenv("WAYLAND_DISPLAY") == nullptr);
   settings.analysis_options = "profile=" + options.profile.text();
   if (options.rows != kOfDevice)
     settings.analysis_options += " rows=" + std::to_string(options.rows);

@@ -118,13 +118,13 @@ read_command_line(int argc, char **argv, Options &options)
              "DIR/strip.png and, without a\nwindow, the film with its overlay to "
              "DIR/visuotactile.mkv. Existing files are replaced\nonly with --force.\n\nKeys in the "
              "window: Space pauses, Left and Right move by 10 s, Down and Up by a minute,\n+ and - "
-             "change the intensity of the vibration, M switches it off and on, Q quits. 1 and "
-             "2\nchange the sensitivity, 3 and 4 the density. After these keys, and with "
-             "--sensitivity or\n--density, a bar at the lower edge of the picture shows the "
-             "strongest event of each frame;\nevents that pass the red mark are felt.\n\nIf an "
-             "option is missing, the user's setting applies: see visuotactile-settings.\n\nCtrl-C "
-             "ends the film, with all motors at zero and complete files; a second Ctrl-C ends\nthe "
-             "program at once."),
+             "change the intensity of the vibration, M switches it off and on, F fills the "
+             "screen,\nQ quits. 1 and 2 change the sensitivity, 3 and 4 the density. After these "
+             "keys, and with\n--sensitivity or --density, a bar at the lower edge of the picture "
+             "shows the strongest event\nof each frame; events that pass the red mark are "
+             "felt.\n\nIf an option is missing, the user's setting applies: see "
+             "visuotactile-settings.\n\nCtrl-C ends the film, with all motors at zero and complete "
+             "files; a second Ctrl-C ends\nthe program at once."),
         .least = 0,
         .most = std::numeric_limits<std::size_t>::max(),
         .force_help = N_("Replace files of an earlier run"),

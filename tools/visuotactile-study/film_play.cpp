@@ -350,5 +350,5 @@ add_defaults(study::Settings &settings, const study::Settings &defaults)
 bool
 can_show_films()
 {
-  return have_display();
+  return !video_sink().empty();
 }

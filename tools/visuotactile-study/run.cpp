@@ -10,6 +10,7 @@
 #include "film/or_throw.h"
 #include "translation.h"
 #include "web/browser.h"
+#include "web/guard.h"
 #include "web/kept_tokens.h"
 #include "web/server.h"
 
@@ -158,7 +159,14 @@ run_study(int argc, char **argv)
 
   // They stay: a page that is open when the program ends finds the next one at the same address,
   // and gives it the answer that it has kept.
-  const std::vector<std::string> secrets = or_throw(kept_tokens(folder->data(".pages"), 2));
+  auto kept = kept_tokens(folder->data(".pages"), 2);
+  if (!kept)
+    print_error(kProgram,
+                in_text("the pages have other addresses at the next start: {}; keep data of "
+                        "people on a file system with permissions",
+                        kept.error()));
+  const std::vector<std::string> secrets
+      = kept ? *std::move(kept) : std::vector{ random_token(), random_token() };
   const std::string experimenter_path = secrets[1] + "/";
   StudySite site(*folder, { .page = page,
                             .experimenter = experimenter_path,
