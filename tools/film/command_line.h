@@ -74,7 +74,8 @@ struct Help
   std::string text;
 };
 
-/// The texts of the program are in the user's language from here on, also those of `entries`. Reads `entries` (ended by an empty one), --force and --quiet, and returns the other arguments.
+/// The texts of the program, those of `entries` too, are in the user's language from here on. Reads
+/// `entries` (ended by an empty one), --force and --quiet, and returns the other arguments.
 /// argv[0] is what to call: a program, or a program and its command. Throws UsageError or Help.
 std::vector<std::string> parse_options(int argc, char **argv, const GOptionEntry *entries,
                                        CommonOptions &common, const Usage &usage);

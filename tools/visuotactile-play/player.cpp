@@ -137,7 +137,7 @@ private:
     gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
   }
 
-  /// In the window that the settings ask for.
+  /// As the settings say: the film is shown in ours, not in the sink's.
   void open_window([[maybe_unused]] GstBus *bus)
   {
 #ifdef HAVE_X11

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the window and visuotactile-settings say is missing: a package, a udev rule, a login, a service, a cable.
+// What the window and visuotactile-settings say is missing: a package, a udev rule, a login, a
+// service, a cable.
 #include "house/missing.h"
 
 #include <algorithm>
