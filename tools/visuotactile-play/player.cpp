@@ -142,17 +142,17 @@ private:
   {
 #ifdef HAVE_X11
     if (settings_.titled)
-      window_ = Window::open(film_.width, film_.height,
-                             { .pressed = [this](const std::string &key) { on_key(key); },
-                               .changed =
-                                   [this] {
-                                     if (const Owned<GstElement> sink = shown_by())
-                                       gst_video_overlay_expose(GST_VIDEO_OVERLAY(sink.get()));
-                                   },
-                               .closed =
-                                   [this] {
-                                     on_key("q");
-                                   } });
+      window_ = PlayWindow::open(film_.width, film_.height,
+                                 { .pressed = [this](const std::string &key) { on_key(key); },
+                                   .changed =
+                                       [this] {
+                                         if (const Owned<GstElement> sink = shown_by())
+                                           gst_video_overlay_expose(GST_VIDEO_OVERLAY(sink.get()));
+                                       },
+                                   .closed =
+                                       [this] {
+                                         on_key("q");
+                                       } });
     if (!window_)
       return;
     gst_bus_set_sync_handler(
@@ -162,7 +162,7 @@ private:
             return GST_BUS_PASS;
           GstVideoOverlay *sink = GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message));
           gst_video_overlay_handle_events(sink, FALSE); // keys are the window's
-          gst_video_overlay_set_window_handle(sink, static_cast<Window *>(window)->handle());
+          gst_video_overlay_set_window_handle(sink, static_cast<PlayWindow *>(window)->handle());
           gst_message_unref(message);
           return GST_BUS_DROP;
         },
@@ -600,7 +600,7 @@ private:
   Strip *strip_;
   GMainLoop *loop_;
 #ifdef HAVE_X11
-  std::unique_ptr<Window> window_; // until the sink is gone
+  std::unique_ptr<PlayWindow> window_; // until the sink is gone
 #endif
   Pipeline pipeline_;
   Owned<GstElement> analysis_;

@@ -9,16 +9,16 @@
 #include <algorithm>
 #include <utility>
 
-std::unique_ptr<Window>
-Window::open(int width, int height, Events events)
+std::unique_ptr<PlayWindow>
+PlayWindow::open(int width, int height, Events events)
 {
   Display *display = XOpenDisplay(nullptr);
   if (display == nullptr)
     return nullptr;
-  return std::unique_ptr<Window>(new Window(display, width, height, std::move(events)));
+  return std::unique_ptr<PlayWindow>(new PlayWindow(display, width, height, std::move(events)));
 }
 
-Window::Window(Display *display, int width, int height, Events events)
+PlayWindow::PlayWindow(Display *display, int width, int height, Events events)
     : display_(display, XCloseDisplay), events_(std::move(events))
 {
   const int screen = DefaultScreen(display);
@@ -37,20 +37,20 @@ Window::Window(Display *display, int width, int height, Events events)
   source_ = g_unix_fd_add(
       ConnectionNumber(display), G_IO_IN,
       +[](gint, GIOCondition, gpointer self) -> gboolean {
-        static_cast<Window *>(self)->look();
+        static_cast<PlayWindow *>(self)->look();
         return G_SOURCE_CONTINUE;
       },
       this);
 }
 
-Window::~Window()
+PlayWindow::~PlayWindow()
 {
   g_source_remove(source_);
   XDestroyWindow(display_.get(), window_);
 }
 
 void
-Window::set_title(const std::string &title)
+PlayWindow::set_title(const std::string &title)
 {
   Xutf8SetWMProperties(display_.get(), window_, title.c_str(), title.c_str(), nullptr, 0, nullptr,
                        nullptr, nullptr);
@@ -58,7 +58,7 @@ Window::set_title(const std::string &title)
 }
 
 void
-Window::set_full_screen(bool full)
+PlayWindow::set_full_screen(bool full)
 {
   Display *display = display_.get();
   is_full_ = full;
@@ -92,7 +92,7 @@ Window::set_full_screen(bool full)
 }
 
 void
-Window::look()
+PlayWindow::look()
 {
   while (XPending(display_.get()) > 0) {
     XEvent event;

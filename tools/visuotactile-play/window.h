@@ -10,7 +10,7 @@
 struct _XDisplay;
 
 /// The film's window of an X server, at the film's size. Main context's thread, but handle().
-class Window
+class PlayWindow
 {
 public:
   struct Events
@@ -21,10 +21,10 @@ public:
   };
 
   /// A film that is larger than the screen is made smaller. Null: there is no X server.
-  static std::unique_ptr<Window> open(int width, int height, Events events);
-  ~Window();
-  Window(const Window &) = delete;
-  Window &operator=(const Window &) = delete;
+  static std::unique_ptr<PlayWindow> open(int width, int height, Events events);
+  ~PlayWindow();
+  PlayWindow(const PlayWindow &) = delete;
+  PlayWindow &operator=(const PlayWindow &) = delete;
 
   /// For GstVideoOverlay.
   guintptr handle() const
@@ -39,7 +39,7 @@ public:
   void set_full_screen(bool full);
 
 private:
-  Window(_XDisplay *display, int width, int height, Events events);
+  PlayWindow(_XDisplay *display, int width, int height, Events events);
   void look();
 
   std::unique_ptr<_XDisplay, int (*)(_XDisplay *)> display_;
