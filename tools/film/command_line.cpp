@@ -27,7 +27,9 @@ help_text(GOptionContext *context)
     return g_dgettext("glib20", own);
   };
   replace(glib("Usage:") + "\n  ", std::string(_("Usage:")) + " ");
-  replace(glib("Application Options:"), _("Options:"));
+  const std::string heading = std::string("\n") + _("Options:") + "\n";
+  for (const char *own : { "Application Options:", "Options:" }) // with --help-all, and without
+    replace("\n" + glib(own) + "\n", heading);
   replace("…", "...");
   text.erase(text.find_last_not_of('\n') + 2);
   return text;
