@@ -95,9 +95,8 @@ class App:
             return
 
     def controls(self):
-        """Role and name of all that can have the focus and is shown."""
-        states = (Atspi.StateType.FOCUSABLE, Atspi.StateType.SHOWING)
-        nodes = [node for node in self.all() if all(node.get_state_set().contains(state) for state in states)]
+        """Role and name of all that can have the focus, on each page; what scrolls gives it to what is inside."""
+        nodes = [node for node in self.all() if node.get_state_set().contains(Atspi.StateType.FOCUSABLE) and node.get_role_name() != "scroll pane"]
         return [(node.get_role_name(), node.get_name() or "") for node in nodes]
 
     def find_now(self, role, name, states=()):

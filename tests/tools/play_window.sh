@@ -104,7 +104,8 @@ interrupted_in_a_pause() {
 # The window has the film's name and the position in its title; F fills the screen, and F or Escape ends that.
 titled() {
   play_on "$work/long193.mkv"
-  until_true 'has no title' xdotool search --name '^long193.mkv – 0:0[0-9] of 0:30$' >window
+  named() { xdotool search --name "$1" >window 2>/dev/null; } # it fails when another window goes meanwhile
+  until_true 'has no title' named '^long193.mkv – 0:[0-9]+ of 0:30$'
   is_sized() { xdotool getwindowgeometry "$(cat window)" | grep -q "$1"; }
   until_true 'is not of the film'"'"'s size' is_sized 193x120
   for key in f Escape; do
@@ -114,7 +115,7 @@ titled() {
     until_true 'still fills the screen' is_sized 193x120
   done
   "$PYTHON" "$here/press_keys.py" 193 space
-  until_true 'does not say that it is paused' xdotool search --name ', paused$' >window
+  until_true 'does not say that it is paused' named ', paused$'
   kill -INT "$pid"
   await 60
   [ "$status" -eq 0 ] || fail "status $status"
