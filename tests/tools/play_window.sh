@@ -29,7 +29,7 @@ shown() {
   expect_strip o/strip.png
 }
 
-# press WIDTH KEY ...: in the window of a film that is as wide, or of the synthetic film (640), when it is there
+# press WIDTH KEY ...: in the window of a film that is as wide, or of the synthetic film (480), when it is there
 press() {
   (
     for ((i = 0; i < 40; i++)); do
@@ -105,7 +105,7 @@ interrupted_in_a_pause() {
 titled() {
   play_on "$work/long193.mkv"
   named() { xdotool search --name "$1" >window 2>/dev/null; } # it fails when another window goes meanwhile
-  until_true 'has no title' named '^long193.mkv – 0:[0-9]+ of 0:30$'
+  until_true 'has no title' named '^long193.mkv, 0:[0-9]+ of 0:30$'
   is_sized() { xdotool getwindowgeometry "$(cat window)" | grep -q "$1"; }
   until_true 'is not of the film'"'"'s size' is_sized 193x120
   for key in f Escape; do
@@ -144,7 +144,7 @@ film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
 # The synthetic film is two that are joined.
 not_moved() {
-  press 640 Right q
+  press 480 Right q
   expect_said "This film cannot be moved to another time"
 }
 

@@ -194,8 +194,9 @@ private:
   void show_position()
   {
 #ifdef HAVE_X11
+    g_autofree gchar *name = g_path_get_basename(film_.title.c_str());
     if (window_)
-      window_->set_title(film_.title + " – " + position_text() + (paused_ ? _(", paused") : ""));
+      window_->set_title(name + (", " + position_text()) + (paused_ ? _(", paused") : ""));
 #endif
   }
 

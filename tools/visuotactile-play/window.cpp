@@ -57,6 +57,10 @@ PlayWindow::set_title(const std::string &title)
 {
   Xutf8SetWMProperties(display_.get(), window_, title.c_str(), title.c_str(), nullptr, 0, nullptr,
                        nullptr, nullptr);
+  XChangeProperty(display_.get(), window_, XInternAtom(display_.get(), "_NET_WM_NAME", False),
+                  XInternAtom(display_.get(), "UTF8_STRING", False), 8, PropModeReplace,
+                  reinterpret_cast<const unsigned char *>(title.data()),
+                  static_cast<int>(title.size()));
   XFlush(display_.get());
 }
 
