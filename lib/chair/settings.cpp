@@ -31,7 +31,7 @@ constexpr Key kKeys[] = {
   { "sensitivity", Kind::number, true, N_("Factor on event contrast"), 0.1, 10 },
   { "density", Kind::number, true, N_("Share of the time that may be felt, 0 for any"), 0, 1 },
   { "people", Kind::choice, false, N_("Detect faces and prefer events in them"), 0, 0,
-    "off, fast, thorough" },
+    "auto, off, fast, thorough" },
   { "sound", Kind::choice, true, N_("Profile of the sound, in programs with a soundtactile"), 0, 0,
     "off, film, music, dialogue-heavy, bass-shaker" },
 };

@@ -265,8 +265,8 @@ run(const Options &options)
     settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
   if (options.density > 0)
     settings.analysis_options += " density=" + number_text(options.density);
-  if (!has_track && options.people.text() != "off")
-    settings.analysis_options += " people=" + options.people.text();
+  if (const std::string people = has_track ? "off" : options.people.text(); people != "auto")
+    settings.analysis_options += " people=" + people;
   if (!has_track && options.camera.text() != "off")
     settings.analysis_options += " camera=" + options.camera.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;

@@ -15,7 +15,7 @@
 
 namespace {
 
-constexpr std::string_view kPeople[] = { "off", "fast", "thorough" };
+constexpr std::string_view kPeople[] = { "auto", "off", "fast", "thorough" };
 constexpr std::string_view kCameras[] = { "off", "gentle" };
 constexpr std::string_view kCompensations[] = { "exact", "frame-block", "none" };
 
@@ -80,8 +80,8 @@ read_command_line(int argc, char **argv, Options &options)
     { "density", 0, 0, G_OPTION_ARG_DOUBLE, &options.density,
       N_("Largest share of the time with vibration, 0 to 1; 0: any (default)"), "SHARE" },
     { "people", 0, 0, G_OPTION_ARG_STRING, &options.people.value,
-      N_("Detect faces and prefer events in them: off (default), fast or thorough; without effect "
-         "in the profile paper"),
+      N_("Detect faces and prefer events in them: auto (default; as fast, if the face detector is "
+         "installed), off, fast or thorough; without effect in the profile paper"),
       "NAME" },
     { "camera", 0, 0, G_OPTION_ARG_STRING, &options.camera.value,
       N_("A soft wave in the direction in which the camera travels: off (default) or gentle; "
