@@ -5,6 +5,7 @@
 #include "follow/players/kodi_player.h"
 #include "follow/players/mpris_player.h"
 #include "follow/players/mpv_player.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 
@@ -60,14 +61,13 @@ Follower::Follower(const FollowSettings &settings)
       listens_(settings_.listens.has_value())
 {
   if (settings_.server && !timing_.server(*settings_.server))
-    throw std::runtime_error(std::string("expected server= and token= in the group [")
-                             + name_of(*settings_.server) + "] of '" + PlayerTiming::usual_path()
-                             + "'");
+    throw std::runtime_error(in_text("expected server= and token= in the group [{}] of '{}'",
+                                     name_of(*settings_.server), PlayerTiming::usual_path()));
   g_autoptr(GError) error = nullptr;
   bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
   if (bus_ == nullptr && !settings_.mpris.empty()) {
     g_main_loop_unref(loop_);
-    throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
+    throw std::runtime_error(in_text("cannot reach the session bus: {}", error->message));
   }
   if (bus_ != nullptr)
     g_dbus_connection_set_exit_on_close(bus_, FALSE);
