@@ -5,6 +5,7 @@
 #include "follow/players/kodi_player.h"
 #include "follow/players/mpris_player.h"
 #include "follow/players/mpv_player.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 
@@ -61,9 +62,14 @@ Follower::Follower(const FollowSettings &settings)
       listens_(settings_.listens.has_value())
 {
   if (settings_.server && !timing_.server(*settings_.server))
-    throw std::runtime_error(std::string("expected server= and token= in the group [")
-                             + name_of(*settings_.server) + "] of '" + PlayerTiming::usual_path()
-                             + "'");
+    throw std::runtime_error(in_text("expected server= and token= in the group [{}] of '{}'",
+                                     name_of(*settings_.server), PlayerTiming::usual_path()));
+  g_autoptr(GError) error = nullptr;
+  bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
+  if (bus_ == nullptr && !settings_.mpris.empty()) {
+    g_main_loop_unref(loop_);
+    throw std::runtime_error(in_text("cannot reach the session bus: {}", error->message));
+  }
   static GSourceFuncs ticks{ .dispatch
                              = +[](GSource *, GSourceFunc step, gpointer self) -> gboolean {
     return step(self);
@@ -82,12 +88,6 @@ Follower::Follower(const FollowSettings &settings)
       },
       this, nullptr);
   g_source_attach(ticks_, nullptr);
-  g_autoptr(GError) error = nullptr;
-  bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
-  if (bus_ == nullptr && !settings_.mpris.empty()) {
-    g_main_loop_unref(loop_);
-    throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
-  }
   if (bus_ != nullptr)
     g_dbus_connection_set_exit_on_close(bus_, FALSE);
   if (bus_ != nullptr && settings_.uses_bus) {
