@@ -95,7 +95,7 @@ try:
         said = lambda: driver.find_element("id", "text").text
         wait_until("what is missing", lambda: "no track for “A film of mine”" in said())
         wait_until("the offer on the button", lambda: badge() == "+")
-        driver.execute_script("window.told = []; chrome.runtime.onMessage.addListener(({ text }) => { told.push(text ?? ""); })")
+        driver.execute_script("window.told = []; chrome.runtime.onMessage.addListener(({ text }) => { told.push(text ?? ''); })")
         driver.find_element("id", "make").click()
         made = tracks / "A film of mine.vtt"
         wait_until("a track", lambda: made.exists() or "No track" in said())
