@@ -6,7 +6,6 @@
 #include "translation.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <optional>
 
@@ -148,7 +147,7 @@ std::string
 variable(const Key &key)
 {
   std::string name = std::string("VISUOTACTILE_") + key.name;
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
+  std::ranges::transform(name, name.begin(), g_ascii_toupper);
   return name;
 }
 

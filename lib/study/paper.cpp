@@ -61,7 +61,8 @@ thanks=Thank you. Please tell the experimenter that you have finished.
 
 # For all sessions. A level may have the same entries: film, intensity, profile, people, sound,
 # rate, sensitivity, density, compensation, rows, columns, driver, device, mapping, calibration as
-# in visuotactile-play, and noise, the volume of pink noise by headphones, 0 to 1.
+# in visuotactile-play (people: off by default), and noise, the volume of pink noise by headphones,
+# 0 to 1.
 [settings]
 profile=tuned
 noise=0.3

@@ -30,7 +30,7 @@ for film in "${films[@]}"; do
     ! x264enc speed-preset=veryfast bitrate="$rate" ! matroskamux ! filesink location="$file"
   rm -f "$work"/*.ms
   for ((run = 0; run < runs; run++)); do
-    for with in "" "saliencytactile !"; do
+    for with in "" "saliencytactile people=off !"; do
       name=$work/${with:+with}
       # shellcheck disable=SC2086 # an element or none
       {
@@ -67,11 +67,11 @@ END
 }
 for ((run = 0; run < runs; run++)); do
   play "$work/alone" ""
-  play "$work/analyzed" "saliencytactile !"
-  play "$work/people" "saliencytactile people=fast !"
+  play "$work/analyzed" "saliencytactile people=off !"
+  play "$work/people" "saliencytactile !"
 done
 of() { cut -d ' ' -f "$2" "$work/$1" >"$work/column"; median "$work/column"; }
-for row in "alone:the film" "analyzed:with saliencytactile" "people:with saliencytactile people=fast"; do
+for row in "alone:the film" "analyzed:with saliencytactile people=off" "people:with saliencytactile, which detects faces"; do
   name=${row%%:*}
   awk -v what="${row#*:}" -v a="$(of alone 1)" -v b="$(of alone 2)" -v c="$(of "$name" 1)" -v d="$(of "$name" 2)" \
     'BEGIN { if (what == "the film") printf "| %s | %.2f | – | %.0f | – |\n", what, c, d

@@ -20,8 +20,9 @@ namespace {
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
 
 /// Raised where the same film gets another track within one version. 2: times from 0:00 on. 3:
-/// blocks that begin with what becomes stronger. 4: events; sound learned from real sounds.
-constexpr const char *kAnalysis = "4";
+/// blocks that begin with what becomes stronger. 4: events; sound learned from real sounds. 5:
+/// faces; rumble that knows wind.
+constexpr const char *kAnalysis = "5";
 
 } // namespace
 

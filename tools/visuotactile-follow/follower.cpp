@@ -538,9 +538,11 @@ Follower::wake()
                        || (current_ != nullptr && current_->estimator.asks_again());
   const follow::Time next = hurries ? stepped_ + kTick : std::min(stepped_ + kSlowTick, due_);
   const follow::Time earliest = local_time() + kLeast;
-  g_source_set_ready_time(
-      ticks_,
-      std::chrono::duration_cast<std::chrono::microseconds>(std::max(next, earliest)).count());
+  const gint64 ready
+      = std::chrono::duration_cast<std::chrono::microseconds>(std::max(next, earliest)).count();
+  // Reports in quick succession do not put a step off.
+  if (const gint64 known = g_source_get_ready_time(ticks_); known < 0 || ready < known)
+    g_source_set_ready_time(ticks_, ready);
 }
 
 bool

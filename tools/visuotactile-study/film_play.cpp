@@ -72,7 +72,9 @@ play_settings(const FilmPlay::Order &order, const FilmWindow *window)
   settings.has_trace = true;
   settings.commands = order.trace;
   settings.analysis_options = properties(
-      order.settings, { "profile", "people", "rows", "columns", "sensitivity", "density" });
+      order.settings, { "profile", "rows", "columns", "sensitivity", "density" });
+  // Not `auto`: all participants are to feel the same.
+  settings.analysis_options += " people=" + setting(order.settings, "people", "off");
   settings.chair = chair_line(order.settings);
   settings.sound = sound_profile(setting(order.settings, "sound", "off"));
   return settings;
@@ -311,7 +313,7 @@ expect_playable(const std::string &film, const study::Settings &settings)
     expect_driver(setting(settings, "driver", "auto"), kAudio);
   } catch (const UsageError &error) {
     throw std::runtime_error(
-        in_text("the settings of a session: {}", error.what()).substr(2)); // without the --
+        in_text("the settings of a session: {}", std::string(error.what()).substr(2))); // no --
   }
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
