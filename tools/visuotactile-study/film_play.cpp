@@ -71,8 +71,8 @@ play_settings(const FilmPlay::Order &order, const FilmWindow *window)
   settings.quiet = true;
   settings.has_trace = true;
   settings.commands = order.trace;
-  settings.analysis_options = properties(
-      order.settings, { "profile", "rows", "columns", "sensitivity", "density" });
+  settings.analysis_options
+      = properties(order.settings, { "profile", "rows", "columns", "sensitivity", "density" });
   // Not `auto`: all participants are to feel the same.
   settings.analysis_options += " people=" + setting(order.settings, "people", "off");
   settings.chair = chair_line(order.settings);
