@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -204,6 +206,32 @@ CHECK_TEST(test_impact)
     fail_unless(onset->levels[0] > 2 * onset->levels[1]);
     fail_unless(onset->levels[0] > 10 * onset->levels[2]);
     fail_unless_equals_float(onset->levels[0], onset->levels[6]);
+  }
+}
+
+// Maps have the sound's own frequency, within half of a third of an octave.
+CHECK_TEST(test_frequency)
+{
+  for (const double hz : { 32.0, 50.0 }) {
+    Sound sound;
+    std::vector<float> frames(static_cast<std::size_t>(kRate) * 4);
+    for (std::size_t i = 0; i < frames.size(); i++) {
+      const double seconds = static_cast<double>(i / 2) / kRate;
+      frames[i] = static_cast<float>(0.1 * std::min(1.0, 10 * seconds)
+                                     * std::sin(2 * std::numbers::pi * hz * seconds));
+    }
+    fail_unless_equals_int(gst_harness_push(sound.audio, buffer(frames.data(), frames.size(), 0)),
+                           GST_FLOW_OK);
+    guint felt = 0;
+    while (GstBuffer *map = gst_harness_try_pull(sound.tactile)) {
+      if (GST_BUFFER_PTS(map) > GST_SECOND) {
+        const auto got = static_cast<double>(gst_buffer_get_tactile_frequency(map));
+        fail_unless(std::abs(std::log2(got / hz)) < 0.2, "%g Hz is felt at %g Hz", hz, got);
+        felt++;
+      }
+      gst_buffer_unref(map);
+    }
+    ck_assert_uint_gt(felt, 50);
   }
 }
 
