@@ -269,10 +269,15 @@ CHECK_TEST(test_pitch)
 {
   const auto mono = usual_speakers(1);
   for (const double hz : { 25.0, 31.5, 40.0, 50.0, 60.0 }) {
-    const auto moments = analyze(tone(hz, 0.1 * std::numbers::sqrt2, 2), kTestRate, mono);
-    fail_unless(moments.back().level > 0);
-    const double felt = static_cast<double>(moments.back().frequency);
-    fail_unless(std::abs(std::log2(felt / hz)) < 0.2, "%.0f Hz is felt at %.0f Hz", hz, felt);
+    int felt = 0;
+    for (const Moment &moment : analyze(tone(hz, 0.1 * std::numbers::sqrt2, 2), kTestRate, mono)) {
+      if (moment.level == 0 || moment.begin < std::chrono::milliseconds(300))
+        continue;
+      felt++;
+      const double found = static_cast<double>(moment.frequency);
+      fail_unless(std::abs(std::log2(found / hz)) < 0.2, "%.0f Hz is felt at %.0f Hz", hz, found);
+    }
+    ck_assert_int_gt(felt, 50);
   }
 }
 
