@@ -36,7 +36,8 @@ RISE, STANDS_OUT, STANDS_ALONE, ALONE = 108, 15, 40, 4.0
 # As OnsetDetector: the score of three moments in a row, which is within ± MOST.
 IN_ROW, MOST = 3, 8.0
 FLUX = 67  # the feature
-RUMBLE_IN_MUSIC = 0.05
+# Names, features, films not learned from, and the share of the music for choosing that is felt.
+RUMBLE_NETWORKS = (("Engine", 15, ("boom", "wind alone", "wind and music alone", "wind and dialog alone"), 0.03), ("Boom", 18, (), 0.01))
 RUMBLE = {"boom": 1, "engine": 1, "explosion": 0.7}  # what rumbles
 OVER = {"silence": 7, "music": 12, "speech": 3, "both": 4, "dialog": 5, "ambient": 2, "wind": 4}
 NO_RUMBLE = {"music": 26, "speech": 6, "both": 8, "dialog": 10, "wind": 32, "wind and music": 10, "wind and dialog": 8}
@@ -357,20 +358,18 @@ def rumble_films(name, seed, part, pool):
     return *(np.concatenate([film[i] for film in films]) for i in (0, 1)), np.repeat(np.arange(len(films)), [len(film[1]) for film in films]), [film[2] for film in films]
 
 
-def rumble(pool):
-    x, y, film, kinds = rumble_films("learn", 3, 1, pool)
+def rumble_network(x, y, group, alone):
+    """Its layers, mean and spread. All kinds of rumble weigh the same, and as much as all that is none."""
     rng = np.random.default_rng(1)
-    # All kinds of rumble weigh the same, and as much as all that is none.
-    group = np.array([kind.split()[0] if " over " in kind else kind for kind in kinds])[film]
     weight = np.zeros(len(x))
-    loud = x[:, 0] > -40
     for name in set(group):
-        for is_rumble, most in ((True, 1 / len(RUMBLE)), (False, NO_RUMBLE_WEIGHTS.get(name.removesuffix(" alone"), 0.1))):
-            of = loud & (group == name) & (y == is_rumble)
-            weight[of] = most / max(1, of.sum())
+        of = group == name
+        weight[of & y] = 1 / max(1, (of & y).sum())
+        weight[of & ~y] = alone.get(name.removesuffix(" alone"), 0.1) / max(1, (of & ~y).sum())
+    weight[y] /= weight[y].sum()
     weight[~y] /= weight[~y].sum()
-    pick = rng.choice(len(x), 150000, p=weight / weight.sum())
-    x, y = x[pick, 1:], y[pick]
+    pick = rng.choice(len(x), min(len(x), 150000), p=weight / weight.sum())
+    x, y = x[pick], y[pick]
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-3
     xs = np.clip((x - mean) / spread, -3, 3).astype(float)
     parts = np.cumsum([xs.shape[1] * RUMBLE_HIDDEN, RUMBLE_HIDDEN, RUMBLE_HIDDEN])
@@ -389,21 +388,30 @@ def rumble(pool):
         return (np.logaddexp(0, score) - y * score).mean() + 1e-4 * (w**2).sum(), slope + 2e-4 * w
 
     w = minimize(loss, rng.normal(0, 0.3, parts[-1] + 1), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
-    hidden, offset, out, last = layers(w)
-    x, y, film, kinds = rumble_films("choose", 4, 0.5, pool)
-    score = np.clip(np.maximum(np.clip((x[:, 1:] - mean) / spread, -3, 3) @ hidden.T + offset, 0) @ out + last, -MOST, MOST)
-    for i in range(len(kinds)):
-        score[film == i] = lfilter([0.005 / SCORE_S], [1, 0.005 / SCORE_S - 1], score[film == i])
-    kind = np.array(kinds)[film]
-    loud = x[:, 0] > -36
-    music = kind == "music alone"
-    least = np.quantile(np.where(loud, score, -99)[music], 1 - RUMBLE_IN_MUSIC)
+    return *layers(w), mean, spread
+
+
+def rumble(pool):
+    x, y, film, kinds = rumble_films("learn", 3, 1, pool)
+    group = np.array([kind.split()[0] if " over " in kind else kind for kind in kinds])[film]
+    cx, cy, films, kinds = rumble_films("choose", 4, 0.5, pool)
+    kind = np.array(kinds)[films]
+    loud = cx[:, 0] > -36
+    body, felt = "", np.zeros(len(cx), bool)
+    for name, count, apart, in_music in RUMBLE_NETWORKS:
+        of = (x[:, 0] > -40) & ~np.isin(group, apart)
+        hidden, offset, out, last, mean, spread = rumble_network(x[of, 1 : count + 1], y[of], group[of], NO_RUMBLE_WEIGHTS)
+        score = np.clip(np.maximum(np.clip((cx[:, 1 : count + 1] - mean) / spread, -3, 3) @ hidden.T + offset, 0) @ out + last, -MOST, MOST)
+        for i in range(len(kinds)):
+            score[films == i] = lfilter([0.005 / SCORE_S], [1, 0.005 / SCORE_S - 1], score[films == i])
+        least = np.quantile(np.where(loud, score, -99)[kind == "music alone"], 1 - in_music)
+        felt |= loud & (score > least)
+        body += ("\n" if body else "") + array(f"k{name}Mean", mean) + array(f"k{name}Scale", 1 / spread) + array(f"k{name}Hidden", hidden)
+        body += array(f"k{name}HiddenOffset", offset) + array(f"k{name}Out", out) + f"inline constexpr float k{name}Offset = {last - least:.4f}F;\n"
     for name in sorted(set(kinds)):
-        of = (kind == name) & (y | ("alone" in name))
-        print(f"  {name}: {100 * (loud & (score > least))[of].mean():.1f} % of the time, deep {100 * loud[of].mean():.0f} %")
-    write("rumble_weights.h", "One hidden layer of RumbleFeatures after the first.",
-          array("kRumbleMean", mean) + array("kRumbleScale", 1 / spread) + array("kRumbleHidden", hidden) + array("kRumbleHiddenOffset", offset) + array("kRumbleOut", out)
-          + f"inline constexpr float kRumbleOffset = {last - least:.4f}F;\n")
+        of = (kind == name) & (cy | ("alone" in name))
+        print(f"  {name}: {100 * felt[of].mean():.1f} % of the time, deep {100 * loud[of].mean():.0f} %", flush=True)
+    write("rumble_weights.h", "One hidden layer each of RumbleFeatures after the first: for engines and explosions, which has only the first 15, and for booms.", body)
 
 
 if __name__ == "__main__":
