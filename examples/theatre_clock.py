@@ -145,7 +145,8 @@ class Follower:
         try:
             self.family, _, _, _, self.address = socket.getaddrinfo(server, port, type=socket.SOCK_DGRAM)[0]
         except (OSError, UnicodeError) as error:
-            raise SystemExit(f"expected the server's address or name, got '{server}': {error}") from error
+            why = error.strerror if isinstance(error, OSError) else "parts of a name have 1 to 63 letters"
+            raise SystemExit(f"expected the server's address or name, got '{server}': {why}") from error
         threading.Thread(target=self._follow, daemon=True).start()
 
     def _exchange(self, line, seconds):

@@ -9,6 +9,7 @@ enum class PeopleMode
   off,
   fast,
   thorough,
+  automatic,
 };
 
 inline GType
@@ -20,6 +21,8 @@ people_mode_type()
       "fast" },
     { static_cast<gint>(PeopleMode::thorough), "Smaller faces too, for twice the work",
       "thorough" },
+    { static_cast<gint>(PeopleMode::automatic), "As fast, where the face detector is installed",
+      "auto" },
     { 0, nullptr, nullptr },
   };
   return shared_enum_type("GstSaliencyTactilePeople", values);

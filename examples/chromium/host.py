@@ -4,9 +4,12 @@
 
 host.py --install [FOLDER]    tells Chromium, whose settings are in FOLDER (~/.config/chromium), of this program
 """
+import contextlib
 import json
 import os
 import pathlib
+import pty
+import re
 import shutil
 import struct
 import subprocess
@@ -64,6 +67,23 @@ def choose():
     return os.fsdecode(subprocess.run(chooser, stdout=subprocess.PIPE, check=False).stdout).rstrip("\n")
 
 
+def author(file, track, told):
+    """The exit status of tactile-track author and its last line. It shows its progress on a terminal, of which `told` gets each percentage."""
+    own, its = pty.openpty()
+    with subprocess.Popen(["tactile-track", "author", file, "-o", str(track)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=its) as process:
+        os.close(its)
+        line = shown = ""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while piece := os.read(own, 4096):
+                line = re.split(r"[\r\n]+(?:\x1b\[K)?(?=.)", line + piece.decode(errors="replace"))[-1][-MOST:]
+                share = re.match(r"\d+ %", line)
+                if share and share[0] != shown:
+                    shown = share[0]
+                    told(shown)
+    os.close(own)
+    return process.returncode, line.strip()
+
+
 def make(shown):
     """The track of the film that the button showed."""
     now = status()
@@ -81,9 +101,9 @@ def make(shown):
     if not file:
         return "No file was chosen."
     send({"text": f"A track of “{file}” is being made …", "badge": "…"})
-    done = subprocess.run(["tactile-track", "author", file, "-o", str(track)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"No track was made: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'tactile-track failed'}")
+    status, complaint = author(file, track, lambda share: send({"text": f"A track of “{file}” is being made: {share}", "badge": "…"}))
+    if status != 0:
+        raise RuntimeError(f"No track was made: {complaint or 'tactile-track failed'}")
     return f"“{film}” has a track now: {track}"
 
 

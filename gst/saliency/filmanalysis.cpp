@@ -158,7 +158,8 @@ FilmAnalysis::make_people(const SaliencySettings &settings)
   people_.reset();
   if (kind.mode != PeopleMode::off)
     people_.emplace(people::cascade_detector(),
-                    kind.mode == PeopleMode::fast ? Effort::fast : Effort::thorough, kind.temporal);
+                    kind.mode == PeopleMode::thorough ? Effort::thorough : Effort::fast,
+                    kind.temporal);
 }
 
 /// The saliency map, raised where people are, multiplied by the weights of regions.
@@ -213,8 +214,8 @@ FilmAnalysis::analyze(const SaliencySettings &settings, const ReadFrame *read, G
   analyzer_->set_threads(settings.n_threads);
   tactile::MappingSettings how = make_mapping(settings);
   // Weights and faces may raise what is far below the floor, and an attached map is read by others.
-  const bool may_rest
-      = settings.skip_unchanged && !settings.roi_weights && !people_ && !settings.attach_saliency;
+  const bool may_rest = settings.skip_unchanged && !settings.roi_weights
+                        && !(people_ && people_->follows()) && !settings.attach_saliency;
   analyzer_->set_rest(may_rest ? how.floor : 0);
   saliency_.map.clear();
   map_orientation_ = orientation_;

@@ -27,12 +27,14 @@
  *
  * `profile=paper` and `exact` read every pixel, which is slow in a GPU's memory.
  *
- * With `people`, a thread detects faces a few times a second, and events in faces are preferred.
+ * Unless `people` is off, a thread detects faces about once a second, and events in faces are
+ * preferred.
  * Faces, heads and persons that an upstream detector marks with #GstVideoRegionOfInterestMeta
  * replace this detection. A face counts from 0.2 s of film time after its picture. The element
  * waits for a late result, so that every run gives the same track, unless the source is live or a
  * sink reports late frames (QoS). The detector is a separate module and needs Debian's
- * opencv-data; without them, the element posts a warning.
+ * opencv-data; without them, faces are not detected, and the element posts a warning unless
+ * `people` is auto.
  *
  * A frame that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) has an empty map. Time
  * stamps that decrease by up to eight frames do not interrupt the analysis. Where time stamps do
@@ -46,7 +48,7 @@
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
  *     saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
- * gst-launch-1.0 filesrc location=FILM ! decodebin ! saliencytactile people=fast ! \
+ * gst-launch-1.0 filesrc location=FILM ! decodebin ! saliencytactile people=thorough ! \
  *     tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
@@ -166,7 +168,9 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
   const bool read
       = priv->analysis.analyze(settings, frame ? &*frame : nullptr, buffer, time, duration);
   const std::string no_people = priv->analysis.people_failure();
-  if (!no_people.empty() && !std::exchange(priv->warned_people, true))
+  if (!no_people.empty() && settings.people == PeopleMode::automatic)
+    GST_LOG_OBJECT(self, "faces are not detected: %s", no_people.c_str());
+  else if (!no_people.empty() && !std::exchange(priv->warned_people, true))
     GST_ELEMENT_WARNING(
         self, RESOURCE, NOT_FOUND, ("Faces are not detected: %s.", no_people.c_str()),
         ("the film plays without detection; if something is missing, install OpenCV's object "

@@ -52,7 +52,7 @@ struct SaliencySettings
   bool keep_maps = false;
   int n_threads = 0; ///< 0: by frame size and processor
   bool exact = false;
-  PeopleMode people = PeopleMode::off;
+  PeopleMode people = PeopleMode::automatic;
 
   /// All properties of saliencytactile.
   static void install(GObjectClass *klass, const properties::Element<SaliencySettings> &element);

@@ -42,7 +42,7 @@ struct Defaults
   std::string driver = "auto";
   std::string unset;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
-  PeopleMode people = PeopleMode::off;
+  PeopleMode people = PeopleMode::automatic;
   CameraMode camera = CameraMode::off;
   SoundMode sound = SoundMode::film;
 };

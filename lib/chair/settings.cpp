@@ -3,6 +3,7 @@
 
 #include "chair/settings_file.h"
 #include "text.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cctype>
@@ -18,20 +19,20 @@ using visuotactile::read_number;
 namespace {
 
 constexpr Key kKeys[] = {
-  { kEnabled, Kind::flag, false, "Whether the program's films are felt" },
-  { "driver", Kind::text, false, "Driver, such as firmata or gamepad" },
-  { "device", Kind::text, false, "Which board or gamepad" },
-  { kGrid, Kind::grid, false, "Rows x columns of the tactile map" },
-  { "mapping", Kind::text, false, "Tactor of each cell, row by row, -1 for none, as in 2,1,0" },
-  { "calibration", Kind::path, false, "Key file of tactor-calibrate" },
-  { "intensity", Kind::number, true, "Factor on all levels", 0, 1 },
-  { "mute", Kind::flag, true, "All motors at zero" },
-  { kDelay, Kind::number, true, "Delay of all vibration in ms", -kMostDelay, kMostDelay },
-  { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
-  { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
-  { "people", Kind::choice, false, "Detect faces and prefer events in them", 0, 0,
-    "off, fast, thorough" },
-  { "sound", Kind::choice, true, "Profile of the sound, in programs with a soundtactile", 0, 0,
+  { kEnabled, Kind::flag, false, N_("Whether the program's films are felt") },
+  { "driver", Kind::text, false, N_("Driver, such as firmata or gamepad") },
+  { "device", Kind::text, false, N_("Which board or gamepad") },
+  { kGrid, Kind::grid, false, N_("Rows x columns of the tactile map") },
+  { "mapping", Kind::text, false, N_("Tactor of each cell, row by row, -1 for none, as in 2,1,0") },
+  { "calibration", Kind::path, false, N_("Key file of tactor-calibrate") },
+  { "intensity", Kind::number, true, N_("Factor on all levels"), 0, 1 },
+  { "mute", Kind::flag, true, N_("All motors at zero") },
+  { kDelay, Kind::number, true, N_("Delay of all vibration in ms"), -kMostDelay, kMostDelay },
+  { "sensitivity", Kind::number, true, N_("Factor on event contrast"), 0.1, 10 },
+  { "density", Kind::number, true, N_("Share of the time that may be felt, 0 for any"), 0, 1 },
+  { "people", Kind::choice, false, N_("Detect faces and prefer events in them"), 0, 0,
+    "auto, off, fast, thorough" },
+  { "sound", Kind::choice, true, N_("Profile of the sound, in programs with a soundtactile"), 0, 0,
     "off, film, music, dialogue-heavy, bass-shaker" },
 };
 
@@ -72,7 +73,7 @@ read_environment(Values &values, std::vector<std::string> &complaints)
     if (takes(key, value))
       values[key.name] = value;
     else
-      complaints.push_back(name + ": expected " + expected(key) + ", got '" + value + "'");
+      complaints.push_back(in_text("{}: expected {}, got '{}'", name, expected(key), value));
   }
 }
 
@@ -105,19 +106,19 @@ expected(const Key &key)
 {
   switch (key.kind) {
   case Kind::flag:
-    return "true or false";
+    return _("true or false");
   case Kind::number:
-    return "a number from " + text(key.least) + " to " + text(key.most);
+    return in_text("a number from {} to {}", text(key.least), text(key.most));
   case Kind::choice:
-    return std::string("one of ") + key.choices;
+    return in_text("one of {}", key.choices);
   case Kind::grid:
-    return "rows x columns, each from 1 to " + std::to_string(kMostCells) + ", such as 3x3";
+    return in_text("rows x columns, each from 1 to {}, such as 3x3", std::to_string(kMostCells));
   case Kind::path:
-    return "an absolute path";
+    return _("an absolute path");
   case Kind::text:
     break;
   }
-  return "text of one line";
+  return _("text of one line");
 }
 
 bool

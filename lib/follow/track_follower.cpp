@@ -79,6 +79,7 @@ TrackFollower::step(const std::optional<PositionEstimator::Estimate> &estimate, 
     cue.end = local_time(cue.end);
     step.cues.push_back(std::move(cue));
   }
+  step.until = local_time(next_);
   return step;
 }
 

@@ -21,6 +21,7 @@ public:
   {
     bool silence = false;             ///< at once, and drop cues of earlier steps
     std::vector<tactile::Cue> cues{}; ///< in local times, without gaps
+    std::optional<Time> until{};      ///< local time to which all cues so far reach
   };
 
   /// Sets the track of another film, or none. The next step is silence if one plays. The track may

@@ -10,6 +10,7 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -68,6 +69,19 @@ load_bytes(D d, const void *bytes)
     return hwy::HWY_NAMESPACE::BitCast(
         d, hwy::HWY_NAMESPACE::LoadU(d8, static_cast<const std::uint8_t *>(bytes)));
   }
+}
+
+/// Stores the lanes that count, in order, and returns their number. A whole vector may be
+/// overwritten, which is faster than a masked store: in a row that is compressed, those lanes have
+/// been read.
+template <class D>
+HWY_INLINE std::size_t
+compress(D d, hwy::HWY_NAMESPACE::Vec<D> values, hwy::HWY_NAMESPACE::Mask<D> counts, float *out)
+{
+  if constexpr (hwy::HWY_NAMESPACE::MaxLanes(D()) == 1)
+    return hwy::HWY_NAMESPACE::CompressBlendedStore(values, counts, d, out);
+  else
+    return hwy::HWY_NAMESPACE::CompressStore(values, counts, d, out);
 }
 
 } // namespace saliency::HWY_NAMESPACE

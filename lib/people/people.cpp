@@ -114,7 +114,8 @@ People::look(const Scene &scene, Time time)
   if (known_until_ && time < *known_until_)
     return;
   collect(time);
-  if (offered_ || (next_ && time < *next_))
+  if (offered_ || (next_ && time < *next_) || (scene.found.unchanged && !follows())
+      || !thread_.failure().empty())
     return;
   const int level = thread_.level(frame_);
   thread_.offer(front_end_.lab(scene.frame, level, level), level);

@@ -36,15 +36,16 @@ enum class Effort
 /// most.
 ///
 /// Faces are found on a thread of their own. In films a picture is looked at every kPeriod of film
-/// time, and its faces count from kLatency later on; they are followed meanwhile (FaceTracker). In
-/// single pictures they count at once. Everything follows film time, so a result depends on the
-/// speed of the machine only where wait() is off and a detection is late.
+/// time, after a cut at once, and its faces count from kLatency later on; they are followed
+/// meanwhile (FaceTracker). Frames that show nothing new are not looked at while no face is
+/// followed. In single pictures faces count at once. Everything follows film time, so a result
+/// depends on the speed of the machine only where wait() is off and a detection is late.
 ///
 /// Not thread-safe: one thread at a time.
 class People
 {
 public:
-  static constexpr Time kPeriod{ 400'000'000 };
+  static constexpr Time kPeriod{ 800'000'000 };
   static constexpr Time kLatency{ 200'000'000 };
 
   struct Statistics
@@ -79,6 +80,12 @@ public:
 
   /// Drops all faces: the next frame does not follow the last one.
   void reset();
+
+  /// Whether it has found a face, even if it is not confirmed.
+  bool follows() const
+  {
+    return !tracker_.faces().empty();
+  }
 
   /// Confirmed faces in the last frame, in its pixels.
   std::vector<cv::Rect2d> faces() const;

@@ -17,38 +17,56 @@ namespace {
 /// bits.
 constexpr std::size_t kBuckets = 1024;
 
-/// The bucket of 0 and of denormals, which the CPU may flush to 0 (any library built with
-/// -ffast-math can set that mode).
-constexpr std::size_t kZero = 3;
+/// The pattern of the bucket of 0 and of denormals, which count as 0: the CPU may flush them (any
+/// library built with -ffast-math can set that mode).
+constexpr std::uint32_t kZero = 3U << 21U;
+
+/// So many values of a bucket are not counted by their next bits.
+constexpr std::size_t kFew = 32;
+
+std::uint32_t
+pattern(float value)
+{
+  return std::bit_cast<std::uint32_t>(value);
+}
 
 std::size_t
 bucket(float value)
 {
-  return std::max<std::size_t>(kZero, std::bit_cast<std::uint32_t>(value) >> 21U & (kBuckets - 1));
+  return std::max(kZero, pattern(value) & 0x7FFFFFFFU) >> 21U;
 }
 
-/// The smallest value in a bucket.
+/// The smallest value that counts as one of at least this pattern.
 float
-least_of(std::size_t bucket)
+least_of(std::uint32_t pattern)
 {
-  return bucket == kZero ? 0 : std::bit_cast<float>(static_cast<std::uint32_t>(bucket) << 21U);
+  return pattern == kZero ? 0 : std::bit_cast<float>(pattern);
 }
 
 } // namespace
 
 float
-quantile(std::vector<float> &values, double q)
+quantile(std::span<float> values, double q)
 {
   // Count by bucket first: on noise, a comparison sort would mispredict half of its branches.
   auto place = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
-  std::array<std::uint32_t, kBuckets> counts{};
-  for (const float value : values)
-    ++counts[bucket(value)];
-  std::size_t wanted = kZero;
-  while (place >= counts[wanted])
-    place -= counts[wanted++];
-  values.resize(
-      rows::keep_between(least_of(wanted), least_of(wanted + 1), values.size(), values.data()));
+  const auto narrow = [&](std::uint32_t base, unsigned bits, const auto &index) {
+    std::array<std::uint32_t, kBuckets> counts{};
+    for (const float value : values)
+      ++counts[index(value)];
+    std::uint32_t wanted = 0;
+    while (place >= counts[wanted])
+      place -= counts[wanted++];
+    wanted = base + (wanted << bits);
+    values = values.first(rows::keep_between(least_of(wanted), least_of(wanted + (1U << bits)),
+                                             values.size(), values.data()));
+    return wanted;
+  };
+  const std::uint32_t found = narrow(0, 21, bucket);
+  if (found == kZero)
+    return 0;
+  if (values.size() > kFew)
+    narrow(found, 11, [](float value) { return pattern(value) >> 11U & (kBuckets - 1); });
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(place);
   std::ranges::nth_element(values, nth);
   return *nth;

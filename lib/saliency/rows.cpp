@@ -15,6 +15,7 @@ namespace saliency::rows::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+using saliency::HWY_NAMESPACE::compress;
 using saliency::HWY_NAMESPACE::cover;
 using saliency::HWY_NAMESPACE::each_once;
 
@@ -105,19 +106,6 @@ count_changed(const std::array<const float *, 3> &lab, const std::array<const fl
     count += hn::CountTrue(d, hn::Gt(squared, hn::Set(d, limit_squared)));
   });
   return count;
-}
-
-/// Stores the lanes that count, in order, and returns their number. A whole vector may be
-/// overwritten, which is faster than a masked store: in a row that is compressed, those lanes have
-/// been read.
-template <class D>
-HWY_INLINE std::size_t
-compress(D d, hn::Vec<D> values, hn::Mask<D> counts, float *out)
-{
-  if constexpr (hn::MaxLanes(D()) == 1)
-    return hn::CompressBlendedStore(values, counts, d, out);
-  else
-    return hn::CompressStore(values, counts, d, out);
 }
 
 std::size_t

@@ -214,6 +214,24 @@ def plays_a_film():
     app.quit()
 
 
+def names_controls():
+    """Whatever the keyboard reaches, on each page, has a name for a screen reader."""
+    tools = work / "bin"
+    tools.mkdir(exist_ok=True)
+    for name in ("mpv", "kodi", "totem"):
+        (tools / name).write_text("#!/bin/sh\n", encoding="utf-8")
+        (tools / name).chmod(0o755)
+    set_chair("driver=intiface", "grid=2x2")  # with the field of Intiface's devices
+    app = App(PATH=f"{tools}:{os.path.dirname(os.environ['APP'])}:{os.environ['PATH']}")
+    app.find("check box", "Totem")
+    app.find("button", "No hardware")
+    controls = app.controls()
+    assert len(controls) > 25, controls
+    unnamed = [(before, role) for (_, before), (role, name) in zip([("", "")] + controls, controls) if not name.strip() or name.startswith("Gtk")]  # a type instead
+    assert not unnamed, f"without a name, after which one: {unnamed}"
+    app.quit()
+
+
 def speaks_german():
     app = App(LC_ALL="C.UTF-8", LANGUAGE="de")
     app.find("push button", "Motoren fühlen")
@@ -241,7 +259,7 @@ def feels_a_vest():
     app.quit()
 
 
-TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, tests_what_was_chosen, feels_motors, switches_all_off, switches_players, plays_a_film, speaks_german, feels_a_vest)}
+TESTS = {test.__name__: test for test in (finds_devices, chooses_by_keys, tests_what_was_chosen, feels_motors, switches_all_off, switches_players, plays_a_film, names_controls, speaks_german, feels_a_vest)}
 for chosen in sys.argv[1:] or TESTS:
     CHAIR.unlink(missing_ok=True)
     TESTS[chosen]()

@@ -94,6 +94,11 @@ class App:
         except GLib.Error:
             return
 
+    def controls(self):
+        """Role and name of all that can have the focus, on each page; what scrolls gives it to what is inside."""
+        nodes = [node for node in self.all() if node.get_state_set().contains(Atspi.StateType.FOCUSABLE) and node.get_role_name() != "scroll pane"]
+        return [(node.get_role_name(), node.get_name() or "") for node in nodes]
+
     def find_now(self, role, name, states=()):
         """GTK 4.8 and 4.18 have different buttons: `role` may be a part of it."""
         def is_it(node):

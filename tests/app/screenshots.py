@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Makes the pictures of the window: each page light, dark and at 200 %, and one in German. Expects APP and the plugins on GST_PLUGIN_PATH.
+"""Makes the pictures of the window: each page light, dark and at 200 %, and one in German; and of the film's window, which has no colors of its
+own. Expects APP and the plugins on GST_PLUGIN_PATH.
 
 Usage: meson devenv -C build env APP=tools/visuotactile ../tests/app/screenshots.py ../docs/images/app"""
 
@@ -11,7 +12,7 @@ import sys
 
 os.environ["SCREEN"] = "1600x1400x24"
 
-from app_window import App, picture, wait_until, work  # noqa: E402
+from app_window import App, picture, start, wait_until, work  # noqa: E402
 
 folder = pathlib.Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
@@ -36,7 +37,22 @@ def take(suffix="", scale=1, pages=("chair", "film", "players"), feel=("Feel all
     app.quit()
 
 
+def take_film_window():
+    """At the film's size, after a key, and in full screen."""
+    player = start(pathlib.Path(os.environ["APP"]).with_name("visuotactile-play"), "--driver=simulator", stderr=subprocess.PIPE, text=True)
+    while not player.stderr.readline().startswith("Playing"):
+        pass
+    window = subprocess.run(["xdotool", "search", "--sync", "--name", " of "], check=True, capture_output=True, text=True).stdout.split()[0]
+    for name, key in (("play", "m"), ("play-full", "f")):
+        subprocess.run(["xdotool", "key", "--window", window, key], check=True)
+        shape = lambda: dict(line.split("=") for line in subprocess.run(["xdotool", "getwindowgeometry", "--shell", window], check=True, capture_output=True, text=True).stdout.split())
+        wait_until("the window", lambda: name == "play" or shape()["WIDTH"] == "1600")
+        subprocess.run(["gst-launch-1.0", "-q", "ximagesrc", f"xid={window}", "num-buffers=10", "!", "videoconvert", "!", "pngenc", "!", "multifilesink", f"location={folder}/{name}.png"], check=True)
+    player.terminate()
+
+
 take()
+take_film_window()
 take("-dark", GTK_THEME="Adwaita:dark")
 take("-200", 2, GDK_SCALE="2")
 take("-de", pages=("chair",), feel=("Motoren fühlen", "Reihe "), LC_ALL="C.UTF-8", LANGUAGE="de")

@@ -53,7 +53,10 @@ class Way:
         act()
 
     def device(self, name):
-        self.app.find("button", name)
+        if not self.app.find_now("button", name):  # all that is connected is shown at once
+            shown = [node.get_name() for node in self.app.all() if node.get_role_name() in ("label", "push button", "button") and node.get_name()]
+            found = subprocess.run(["visuotactile-settings", "devices"], capture_output=True, text=True)
+            sys.exit(f"the window does not show '{name}', but {shown}; visuotactile-settings devices: {found.stdout}{found.stderr}")
         self.decide("device", lambda: self.app.click("button", name))
         self.app.find("button", name, [Atspi.StateType.PRESSED])
 

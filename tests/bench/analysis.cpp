@@ -46,10 +46,11 @@ small_frame(const cv::Mat &samples)
 } // namespace
 
 Analysis::Analysis(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
-                   cv::Size grid, int threads)
+                   cv::Size grid, int threads, double rest)
     : analyzer_(profile), mapping_(mapping), map_(grid.height, grid.width)
 {
   analyzer_.set_threads(threads);
+  analyzer_.set_rest(rest);
 }
 
 void

@@ -16,9 +16,9 @@ namespace bench {
 class Analysis
 {
 public:
-  /// `grid`: columns × rows of tactors.
+  /// `grid`: columns × rows of tactors. `rest`: of Analyzer::set_rest().
   Analysis(const saliency::Profile &profile, const tactile::MappingSettings &mapping, cv::Size grid,
-           int threads);
+           int threads, double rest = 0);
 
   void frame(const saliency::FrameView &frame, std::size_t i);
 

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 namespace bench {
 
@@ -75,9 +76,9 @@ reading(std::shared_ptr<FrameLoop> film, Format format, int threads)
 Contender
 ours(const std::string &method, const saliency::Profile &profile,
      const tactile::MappingSettings &mapping, std::shared_ptr<FrameLoop> film, Format format,
-     int threads)
+     int threads, double rest = 0)
 {
-  auto analysis = std::make_shared<Analysis>(profile, mapping, cv::Size(3, 3), threads);
+  auto analysis = std::make_shared<Analysis>(profile, mapping, cv::Size(3, 3), threads, rest);
   return { .method = method,
            .input = name(format),
            .threads = threads,
@@ -140,6 +141,11 @@ contenders(cv::Size size)
       all.push_back(ours(kTwoFrames, tuned, mapping, two, format, threads));
   }
   all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, 1));
+  constexpr double kFloor = 0.8; // as elements have it
+  for (const auto &[name, scene] :
+       { std::pair("stills", Scene::still), std::pair("talking head", Scene::head) })
+    all.push_back(ours(std::string("tuned, ") + name, tuned, mapping,
+                       std::make_shared<FrameLoop>(size, scene), Format::i420, 1, kFloor));
   all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
                      Format::i420, 1));
 

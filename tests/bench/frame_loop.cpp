@@ -13,17 +13,24 @@ namespace {
 
 /// I420 frames.
 std::vector<cv::Mat>
-draw_disc(cv::Size size)
+draw_disc(cv::Size size, Scene scene)
 {
   std::mt19937 random(1);
   cv::Mat noise(size.height * 3 / 2, size.width, CV_8UC1);
   for (int y = 0; y < noise.rows; y++)
     for (int x = 0; x < noise.cols; x++)
       noise.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(120 + random() % 8);
-  cv::Mat disc = noise.clone();
-  cv::circle(disc.rowRange(0, size.height), { size.width * 3 / 8, size.height * 5 / 12 },
-             size.width / 24, 200, cv::FILLED);
-  return { noise, disc };
+  const auto with_disc = [&](int x, int radius) {
+    cv::Mat disc = noise.clone();
+    cv::circle(disc.rowRange(0, size.height), { x, size.height * 5 / 12 }, radius, 200, cv::FILLED);
+    return disc;
+  };
+  if (scene == Scene::still)
+    return { noise };
+  const int x = size.width * 3 / 8;
+  if (scene == Scene::head)
+    return { with_disc(x, size.width / 8), with_disc(x + 1, size.width / 8) };
+  return { noise, with_disc(x, size.width / 24) };
 }
 
 std::vector<cv::Mat>
@@ -141,7 +148,7 @@ FrameLoop::FrameLoop(cv::Size size, Scene scene, Format format, std::size_t buff
     : size_(size), format_(format)
 {
   CV_Assert(size.width % 2 == 0 && size.height % 2 == 0 && !size.empty());
-  const auto scenes = scene == Scene::pan ? draw_pan(size) : draw_disc(size);
+  const auto scenes = scene == Scene::pan ? draw_pan(size) : draw_disc(size, scene);
   for (std::size_t i = 0; i < std::max(scenes.size(), buffers); i++)
     frames_.push_back(converted(scenes[i % scenes.size()], size, format));
 }

@@ -32,8 +32,10 @@ const char *name(Format format);
 /// What the camera shows, in a loop.
 enum class Scene
 {
-  disc, ///< two frames: noise, and the same with a disc
-  pan,  ///< the camera pans right and left over random squares, 4 pixels per frame
+  disc,  ///< two frames: noise, and the same with a disc
+  still, ///< noise, again and again
+  head,  ///< a disc that moves by a pixel in every other frame, before noise
+  pan,   ///< the camera pans right and left over random squares, 4 pixels per frame
 };
 
 /// A film in memory. BT.709, limited range; width and height are even.

@@ -34,6 +34,7 @@ struct Times
 {
   double cpu = 0;
   double wall = 0;
+  double all = 0; ///< threads
 };
 
 /// Measures the next frames, beginning at `frame`.
@@ -47,10 +48,12 @@ timed(const Contender &contender, std::size_t &frame, std::size_t frames)
       std::this_thread::sleep_for(kPause);
     const double cpu = cpu_ms();
     const double wall = wall_ms();
+    const double all = now(CLOCK_PROCESS_CPUTIME_ID);
     for (std::size_t n = 0; n < at_once; n++)
       contender.work(frame++);
     sum.wall += wall_ms() - wall;
     sum.cpu += cpu_ms() - cpu;
+    sum.all += now(CLOCK_PROCESS_CPUTIME_ID) - all;
   }
   return sum;
 }
@@ -127,6 +130,7 @@ race(std::vector<Contender> &contenders, int rounds)
       const auto frames = static_cast<double>(lane.slice);
       const Times times = timed(contenders[i], lane.frame, lane.slice);
       contenders[i].wall_ms.push_back(times.wall / frames);
+      contenders[i].all_ms.push_back(times.all / frames);
       contenders[i].ms.push_back((contenders[i].threads > 1 ? times.wall : times.cpu) / frames);
       lane.bytes += static_cast<double>(allocations::bytes_of_all_threads() - before);
       lane.counted += lane.slice;

@@ -25,6 +25,7 @@ struct Contender
   /// With several threads, wall time.
   std::vector<double> ms{};
   std::vector<double> wall_ms{}; ///< wall time, always
+  std::vector<double> all_ms{};  ///< CPU time of all threads, always
   double allocated = 0;          ///< bytes allocated per frame after warm-up
 };
 

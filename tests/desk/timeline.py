@@ -346,6 +346,24 @@ def tools(desk):
     equal((desk.felt()[0][0], desk.felt()[0][1] > 8000), (0, True), "without snap, an edge stays where it is put")
 
 
+def edges_snap_to_events(desk):
+    desk.open()
+    desk.driver.execute_script("desk.timeline.show(0, 10000); desk.history.do(desk.strokes.draw(desk.history.track, { from: 2345, to: 4567, cells: [4] }, 75))")
+    desk.js("desk.timeline.focus()")
+    felt = lambda cell: [one[1:3] for one in desk.felt() if one[0] == cell]
+    desk.drag((desk.x(4567) + 4, desk.y(1)), (desk.x(7000), desk.y(1)))
+    (start, end), = felt(1)
+    equal((start, abs(end - 7000) < 20), (4567, True), "an edge snaps to the end of another event")
+    desk.drag((desk.x(5500), desk.y(1)), (desk.x(5500 + 2345 - start) - 4, desk.y(1)))
+    equal(felt(1), [(2345, 2345 + end - start)], "a whole event snaps to a begin")
+    desk.press((Keys.CONTROL, "z"), (Keys.CONTROL, "z"))
+    desk.drag((desk.x(3500), desk.y(4)), (desk.x(3500) + 4, desk.y(4)))
+    equal(felt(4)[0][0] > 2345, True, "not to its own, where it was")
+    desk.press((Keys.CONTROL, "z"), (Keys.SHIFT, "s"))
+    desk.drag((desk.x(4567) + 4, desk.y(7)), (desk.x(7000), desk.y(7)))
+    equal(felt(7)[0][0] > 4567, True, "without snap, to none")
+
+
 def wheel_and_fingers(desk):
     desk.open("?cues=3000")
     view = lambda: desk.js("[desk.timeline.view.from, desk.timeline.view.scale, desk.timeline.view.scroll]")
@@ -481,7 +499,7 @@ def screen_readers(desk):
     equal(len(desk.driver.find_elements(By.CSS_SELECTOR, "#cues button")), 0, "an empty track")
 
 
-TESTS = [keyboard_alone, a_move_covers_nothing_on_its_way, keys_that_move_and_select, mouse, tools, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
+TESTS = [keyboard_alone, a_move_covers_nothing_on_its_way, keys_that_move_and_select, mouse, tools, edges_snap_to_events, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
 
 
 def main():

@@ -73,7 +73,8 @@ units_of(const std::vector<ClipRow> &rows, bool unseen)
 bool
 is_compared(const std::string &model)
 {
-  return model == model_at(1) || model == kFitted || !model.starts_with("tuned");
+  return model == model_at(1) || model == kWithoutPeople || model == kFitted
+         || !model.starts_with("tuned");
 }
 
 /// A figure of the summary; `ours` is the method that is judged as ours.

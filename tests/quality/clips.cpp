@@ -178,7 +178,10 @@ std::vector<ClipRow>
 score_ours(const std::filesystem::path &file, const std::vector<Label> &labels,
            std::vector<FeltFrame> &felt)
 {
-  saliency::Analyzer analyzer(saliency::Profile::tuned());
+  const auto model = tuned_model();
+  AnalyzerModel without(kWithoutPeople, saliency::Profile::tuned(),
+                        tactile::MappingSettings::tuned());
+  ClipJudge judge_without(labels);
   std::vector<tactile::MappingSettings> mappings;
   for (const double sensitivity : kSensitivities) {
     mappings.push_back(tactile::MappingSettings::tuned());
@@ -189,17 +192,21 @@ score_ours(const std::filesystem::path &file, const std::vector<Label> &labels,
   tactile::TactileMap map(kSide, kSide);
   Decoder clip(file, "decodebin", "I420");
   while (clip.next()) {
-    const auto &found = analyzer.analyze(clip.view(), clip.time(), clip.duration());
+    const auto view = model->look(clip.view(), clip.time(), clip.duration());
+    const saliency::Saliency &found = model->found();
     for (std::size_t i = 0; i < mappings.size(); ++i) {
-      tactile::map_saliency(view_of(found), mappings[i], map);
+      tactile::map_saliency(view, mappings[i], map);
       judges[i].frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
       if (i == 0)
         felt.push_back({ map, clip.time(), clip.duration(), found.peak });
     }
+    without.frame(clip.view(), clip.time(), clip.duration(), map);
+    judge_without.frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
   }
   std::vector<ClipRow> rows;
   for (std::size_t i = 0; i < judges.size(); ++i)
     rows.push_back(judges[i].row(file, model_at(kSensitivities[i])));
+  rows.push_back(judge_without.row(file, without.name()));
   return rows;
 }
 

@@ -40,6 +40,9 @@ inline constexpr std::array kSensitivities{ 1.0, 0.5, 0.7, 1.4, 2.0 };
 /// The model of score_clips() that is ours at a sensitivity.
 std::string model_at(double sensitivity);
 
+/// Ours without the detection of faces.
+inline constexpr const char *kWithoutPeople = "tuned, people=off";
+
 /// The model of fitted_elsewhere().
 inline constexpr const char *kFitted = "tuned, fitted on the other films";
 
@@ -58,7 +61,7 @@ struct Method
 /// Which models score_clips() compares.
 enum class Contenders
 {
-  ours, ///< `profile=tuned` alone, at kSensitivities
+  ours, ///< `profile=tuned` alone, at kSensitivities, and without people
   all,
 };
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
 
+#include "people/cascade_module.h"
 #include "saliency/spatial_saliency.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
 
 namespace quality {
 
@@ -65,13 +70,45 @@ view_of(const saliency::Saliency &found)
   return view;
 }
 
+bool
+finds_people()
+{
+  const auto detector = people::cascade_detector()();
+  if (!detector)
+    std::fprintf(stderr, "people left out: %s\n", detector.error().c_str());
+  return detector.has_value();
+}
+
+AnalyzerModel::AnalyzerModel(std::string name, const saliency::Profile &profile,
+                             const tactile::MappingSettings &mapping, bool with_people)
+    : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
+{
+  if (with_people)
+    people_.emplace(people::cascade_detector(), people::Effort::fast, true);
+}
+
+tactile::SaliencyView
+AnalyzerModel::look(const saliency::FrameView &frame, Time time, Time duration)
+{
+  found_ = analyzer_.analyze(frame, time, duration);
+  if (!people_)
+    return view_of(found_);
+  found_.map = people_->raise({ found_, analyzer_.picture(), frame }, time);
+  if (const std::string failure = people_->failure(); !failure.empty())
+    throw std::runtime_error("no people: " + failure);
+  // As in saliencytactile.
+  tactile::SaliencyView view = view_of(found_);
+  if (const double peak = std::max(found_.peak, mapping_.floor); peak > 0)
+    view.strength *= view.peak() / peak;
+  return view;
+}
+
 const saliency::Saliency &
 AnalyzerModel::frame(const saliency::FrameView &frame, Time time, Time duration,
                      tactile::TactileMap &map)
 {
-  const auto &found = analyzer_.analyze(frame, time, duration);
-  tactile::map_saliency(view_of(found), mapping_, map);
-  return found;
+  tactile::map_saliency(look(frame, time, duration), mapping_, map);
+  return found_;
 }
 
 std::unique_ptr<AnalyzerModel>
@@ -84,8 +121,9 @@ paper_model()
 std::unique_ptr<AnalyzerModel>
 tuned_model()
 {
+  static const bool with_people = finds_people();
   return std::make_unique<AnalyzerModel>("tuned", saliency::Profile::tuned(),
-                                         tactile::MappingSettings::tuned());
+                                         tactile::MappingSettings::tuned(), with_people);
 }
 
 const cv::Mat &

@@ -4,6 +4,7 @@
 #include "films.h"
 #include "frame/front_end.h"
 #include "peers.h"
+#include "people/people.h"
 #include "saliency/analyzer.h"
 #include "saliency/rarity.h"
 #include "tactile/tactile_map.h"
@@ -48,15 +49,16 @@ private:
 /// A view of the map for map_saliency().
 tactile::SaliencyView view_of(const saliency::Saliency &found);
 
+/// Whether the detector of faces works; prints why not.
+bool finds_people();
+
 /// This project's analyzer and mapping.
 class AnalyzerModel : public Model
 {
 public:
+  /// `with_people`: as by default, where finds_people().
   AnalyzerModel(std::string name, const saliency::Profile &profile,
-                const tactile::MappingSettings &mapping)
-      : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
-  {
-  }
+                const tactile::MappingSettings &mapping, bool with_people = false);
 
   void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
   {
@@ -67,6 +69,15 @@ public:
   const saliency::Saliency &frame(const saliency::FrameView &frame, Time time, Time duration,
                                   tactile::TactileMap &map);
 
+  /// The saliency of the next frame for map_saliency(), valid until the next call.
+  tactile::SaliencyView look(const saliency::FrameView &frame, Time time, Time duration);
+
+  /// The saliency of the last frame, raised where people are.
+  const saliency::Saliency &found() const
+  {
+    return found_;
+  }
+
   bool camera_moves() const override
   {
     return camera_moves_;
@@ -74,6 +85,8 @@ public:
 
 private:
   saliency::Analyzer analyzer_;
+  std::optional<people::People> people_;
+  saliency::Saliency found_;
   tactile::MappingSettings mapping_;
   bool camera_moves_ = false;
 };

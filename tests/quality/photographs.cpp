@@ -20,7 +20,6 @@
 #include <array>
 #include <charconv>
 #include <cstddef>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <span>
@@ -312,16 +311,6 @@ mean_of(std::span<const PhotographScores> all)
     mean.*score /= static_cast<double>(all.size());
   }
   return mean;
-}
-
-/// Whether the detector of faces works; says why not.
-bool
-finds_people()
-{
-  const auto detector = people::cascade_detector()();
-  if (!detector)
-    std::fprintf(stderr, "people left out: %s\n", detector.error().c_str());
-  return detector.has_value();
 }
 
 } // namespace

@@ -90,8 +90,10 @@ write_page_head(std::ostream &out, const std::string &title,
   const std::unique_ptr<gchar, decltype(&g_free)> system(g_get_os_info(G_OS_INFO_KEY_PRETTY_NAME),
                                                          g_free);
   out << "`; do not edit.\n\n";
+  std::string load = "unknown";
+  std::ifstream("/proc/loadavg") >> load;
   write_lines(out, processor() + ", " + std::to_string(std::thread::hardware_concurrency())
-                       + " CPUs, " + instruction_set() + "; "
+                       + " CPUs, " + instruction_set() + ", load average " + load + "; "
                        + (system ? system.get() : "unknown system") + ", GCC " __VERSION__
                        + ", OpenCV " CV_VERSION ".");
 }

@@ -46,11 +46,14 @@ with tempfile.TemporaryDirectory(prefix="study-pictures-") as parent, chromium(w
     for take in (sessions.the_paper_study, sessions.a_film_that_is_cut_off, likert_scale):
         take(browser)
     taken = {path.stem: Image.open(path).convert("RGB") for path in folder.glob("*.png")}
+    with chromium(width=1000, height=640, scale=2) as large:
+        likert_scale(large)
+    taken["participant-200"] = Image.open(folder / "questionlikert.png").convert("RGB")
     os.environ["PICTURES"] = str(folder / "report")
     (folder / "paper").mkdir()
     report.the_papers_conclusions(folder / "paper")
     taken["figure"] = Image.open(folder / "report/figure.png")
     to.mkdir(parents=True, exist_ok=True)
     save(side_by_side([taken[page] for page in PAGES]), to / "participant.png")
-    for name in ("experimenter", "experimenter-film", "figure"):
+    for name in ("participant-200", "experimenter", "experimenter-film", "figure"):
         save(taken[name], to / f"{name}.png")

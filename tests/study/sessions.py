@@ -141,6 +141,20 @@ def killed_between_question_and_answer(driver):
         assert answers_of(exported(folder), "P01") == person.given
 
 
+def a_file_system_without_permissions(_driver):
+    """Secrets that others could read are not kept, and the program says so."""
+    with small_study() as folder:
+        addresses = set()
+        for _ in range(2):
+            with Server(folder, "--no-window", env={**os.environ, "LD_PRELOAD": os.environ["NO_MODES"]}) as server:
+                addresses |= {server.address, server.experimenter}
+                assert not folder.joinpath("data/.pages").exists()
+        assert len(addresses) == 4, addresses
+        assert "keep data of people on a file system with permissions" in server.errors.read_text()
+        with Server(folder) as server:  # with permissions, they are
+            assert folder.joinpath("data/.pages").exists()
+
+
 def a_film_that_is_cut_off(driver):
     """The server is killed while a film plays; the experimenter plays it again, then stops one and skips it: both sessions are marked."""
     with small_study(buffers=3600, rate=1) as folder:
@@ -229,7 +243,7 @@ def hostile_requests(driver):
         assert server.state()["step"]["name"] == "consent"
 
 
-TESTS = [the_paper_study, groups_and_a_questionnaire, killed_at_every_page, killed_between_question_and_answer, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
+TESTS = [the_paper_study, groups_and_a_questionnaire, killed_at_every_page, killed_between_question_and_answer, a_file_system_without_permissions, a_film_that_is_cut_off, a_participant_is_dropped, hostile_requests]
 
 if __name__ == "__main__":
     names = [word for word in sys.argv[1:] if not word.startswith("--")]

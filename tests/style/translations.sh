@@ -7,9 +7,10 @@ set -euo pipefail
 cd "$1"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-grep -lE '[^a-z]_\("|in_text\($|in_text\("' tools/*/*.cpp | sort >"$work/sources"
+grep -lE '(^|[^[:alnum:]_])(_|N_|in_text)\(("|$)' tools/*/*.{cpp,h} lib/chair/*.cpp | sort >"$work/sources"
 diff "$work/sources" po/POTFILES || { echo "expected these sources in po/POTFILES"; exit 1; }
-xgettext --from-code=UTF-8 --keyword=_ --keyword=N_ --keyword=in_text:1 --files-from=po/POTFILES --output="$work/all.pot" --language=C++
+mapfile -t options < <(grep -oE "'--[^']*'" po/meson.build | tr -d \')
+xgettext "${options[@]}" --files-from=po/POTFILES --output="$work/all.pot" --language=C++
 # No two buttons of a page have the same key; those of window.cpp, on and off, are never there at once.
 keys() {
   msggrep --no-wrap -N "tools/visuotactile/$2.cpp" "$1" | sed -nE 's/^msgstr ".*_([[:alpha:]]).*/\L\1/p'

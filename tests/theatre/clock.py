@@ -14,7 +14,7 @@ import time
 from gi.repository import GLib
 
 sys.path.insert(0, sys.argv[1])
-from theatre_clock import Offset  # noqa: E402
+from theatre_clock import Follower, Offset  # noqa: E402
 from theatre_server import hear_seats  # noqa: E402
 from theatre_seats import GONE, MAGIC, MOST, REPORT, Line, Seats  # noqa: E402
 
@@ -197,6 +197,16 @@ for n in range(40):
 if scattered.settled or not scattered.hindrance.startswith("expected 0.2 ms of uncertainty, got "):
     print(f"FAILED: {scattered.hindrance}, settled: {scattered.settled}")
     failed += 1
+# A name that cannot be one is refused in words, not with Python's of its codecs.
+for name in ("." * 3, "a" * 64 + ".example"):
+    try:
+        Follower(name, 5105)
+        why = "no refusal"
+    except SystemExit as refusal:
+        why = str(refusal)
+    if "parts of a name have 1 to 63 letters" not in why:
+        print(f"FAILED: {name}: {why}")
+        failed += 1
 # A seat does not wait for the name of its server.
 resolve, answered = socket.getaddrinfo, threading.Event()
 socket.getaddrinfo = lambda *_arguments, **_named: answered.wait() and []

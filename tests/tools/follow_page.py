@@ -51,8 +51,10 @@ try:
     programs = folder / "programs"
     programs.mkdir()
     (programs / "zenity").write_text(f"#!/bin/sh\necho {folder}/mine.webm\n", encoding="utf-8")
-    (programs / "zenity").chmod(0o755)
-    (programs / "tactile-track").symlink_to(os.environ["TRACK"])
+    # Its progress, as on a film that takes longer.
+    (programs / "tactile-track").write_text(f"#!/bin/sh\ntest -t 2 && printf '\\r\\033[K37 %% of 1 films' >&2\nexec {os.environ['TRACK']} \"$@\"\n", encoding="utf-8")
+    for name in ("zenity", "tactile-track"):
+        (programs / name).chmod(0o755)
     env = dict(os.environ, HOME=str(folder), XDG_RUNTIME_DIR=str(folder), DISPLAY=f":{display.stdout.readline().strip()}", DBUS_SESSION_BUS_ADDRESS=session.address,
                XDG_CONFIG_HOME=str(folder / "config"), XDG_CACHE_HOME=str(folder / "cache"), PATH=f"{programs}:{os.environ['PATH']}")
     bus = session.connection()
@@ -93,10 +95,13 @@ try:
         said = lambda: driver.find_element("id", "text").text
         wait_until("what is missing", lambda: "no track for “A film of mine”" in said())
         wait_until("the offer on the button", lambda: badge() == "+")
+        driver.execute_script("window.told = []; chrome.runtime.onMessage.addListener(({ text }) => { told.push(text); })")
         driver.find_element("id", "make").click()
         made = tracks / "A film of mine.vtt"
         wait_until("a track", lambda: made.exists() or "No track" in said())
         wait_until("the end", lambda: "has a track now" in said())
+        told = driver.execute_script("return told")
+        assert "A track of" in told[0] and any(text.endswith("is being made: 37 %") for text in told), told
         subprocess.run([os.environ["TRACK"], "validate", made], check=True, timeout=LATEST, stdout=subprocess.DEVNULL)
         wait_until("the film to be felt", lambda: "A film of mine.vtt" in property_of(bus, "Track"))
         driver.refresh()

@@ -4,7 +4,7 @@
 session, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone. logind is dbusmock's.
 
 Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, uneven, library, faulty, status, activation, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, uneven, library, faulty, status, wakings, activation, ways_out; all by default"""
 
 import functools
 import http.server
@@ -343,6 +343,29 @@ def latencies_of_each_kind(mpv, bus):
     follower.end()
 
 
+def wakes(tasks, seconds):
+    """How often a second threads wake up."""
+    waits = lambda: sum(int(line.split()[1]) for task in tasks() for line in open(task / "status", encoding="utf-8") if line.startswith("voluntary_"))
+    begin, before = time.monotonic(), waits()
+    wait_until(f"{seconds} s", lambda: time.monotonic() > begin + seconds)
+    return (waits() - before) / (time.monotonic() - begin)
+
+
+def wakings():
+    """While a track plays, its main loop wakes up for mpv's reports of 25 frames a second and for the track, and not by itself in between."""
+    film = make_film("wakings.mkv", 30)
+    make_track(film.with_suffix(".csv"), 30)
+    mpv = Mpv(film, "--loop")
+    follower = Follower(mpv)
+    vest.wait_to_feel()
+    main = pathlib.Path(f"/proc/{follower.process.pid}/task/{follower.process.pid}")
+    rate = wakes(lambda: [main], 6)
+    print(f"{rate:.0f} wake-ups a second of the main loop, {wakes(lambda: main.parent.iterdir(), 6):.0f} of all threads")
+    assert rate < 45, rate
+    follower.end()
+    mpv.quit()
+
+
 def activation():
     """The bus starts a follower for whom calls it, by the file that is installed. systemd finds nothing wrong with the unit."""
     services = work / "data/dbus-1/services"
@@ -361,11 +384,8 @@ def activation():
     assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
     pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
     # Without a player, it wakes up less than once a second, on a slow computer more seldom.
-    waits = lambda: sum(int(line.split()[1]) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for line in open(task / "status", encoding="utf-8")
-                        if line.startswith("voluntary_"))
-    begin, before = time.monotonic(), waits()
-    wait_until("ten seconds", lambda: time.monotonic() > begin + 10)
-    assert waits() - before < time.monotonic() - begin + 2, (before, waits())
+    tasks = pathlib.Path(f"/proc/{pid}/task")
+    assert wakes(tasks.iterdir, 10) < 1.2
     os.kill(pid, signal.SIGTERM)
     wait_until("its end", lambda: not bus.name_has_owner(NAME))
     unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")
@@ -496,4 +516,4 @@ def active_changed(active):
     return message
 
 
-run({"drafts": drafts, "embedded": embedded, "uneven": uneven, "library": library, "faulty": faulty, "status": status, "activation": activation, "ways_out": ways_out})
+run({"drafts": drafts, "embedded": embedded, "uneven": uneven, "library": library, "faulty": faulty, "status": status, "wakings": wakings, "activation": activation, "ways_out": ways_out})

@@ -29,7 +29,7 @@ shown() {
   expect_strip o/strip.png
 }
 
-# press WIDTH KEY ...: in the window of a film that is as wide, or of the synthetic film (640), when it is there
+# press WIDTH KEY ...: in the window of a film that is as wide, or of the synthetic film (480), when it is there
 press() {
   (
     for ((i = 0; i < 40; i++)); do
@@ -101,6 +101,26 @@ interrupted_in_a_pause() {
   expect_line out '^Played .*\(stopped\)$'
 }
 
+# The window has the film's name and the position in its title; F fills the screen, and F or Escape ends that.
+titled() {
+  play_on "$work/long193.mkv"
+  named() { xdotool search --name "$1" >window 2>/dev/null; } # it fails when another window goes meanwhile
+  until_true 'has no title' named '^long193.mkv, 0:[0-9]+ of 0:30$'
+  is_sized() { xdotool getwindowgeometry "$(cat window)" | grep -q "$1"; }
+  until_true 'is not of the film'"'"'s size' is_sized 193x120
+  for key in f Escape; do
+    "$PYTHON" "$here/press_keys.py" 193 f
+    until_true 'does not fill the screen' is_sized 640x480
+    "$PYTHON" "$here/press_keys.py" 640 "$key"
+    until_true 'still fills the screen' is_sized 193x120
+  done
+  "$PYTHON" "$here/press_keys.py" 193 space
+  until_true 'does not say that it is paused' named ', paused$'
+  kill -INT "$pid"
+  await 60
+  [ "$status" -eq 0 ] || fail "status $status"
+}
+
 broken() {
   play -o o "$work/cut.mkv"
   expect_status 0
@@ -124,7 +144,7 @@ film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
 # The synthetic film is two that are joined.
 not_moved() {
-  press 640 Right q
+  press 480 Right q
   expect_said "This film cannot be moved to another time"
 }
 
@@ -133,6 +153,7 @@ for width in 177 181; do
 done
 # Few frames, as making them takes a while.
 film long189.mkv "$(picture 189 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux"
+film long193.mkv "$(picture 193 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux"
 film heard.mkv "$(picture 185 120 I420 30 | sed s,30/1,1/1,) ! vp8enc deadline=1 ! matroskamux name=mux ${vorbis/num-buffers=40/num-buffers=1200} ! mux. mux."
 sed 's/A_VORBIS/A_XORBIS/' heard.mkv >long185.mkv
 film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
@@ -146,6 +167,7 @@ start moved moved
 start moved_without_sound moved_without_sound
 start interrupted_in_a_pause interrupted_in_a_pause
 start not_moved not_moved
+start titled titled
 start broken broken
 start not_shown not_shown
 start no_such_display no_such_display

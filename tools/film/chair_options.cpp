@@ -2,6 +2,7 @@
 #include "chair_options.h"
 
 #include "pipeline.h"
+#include "translation.h"
 
 void
 ChairOptions::fill(UserDefaults &defaults)
@@ -20,16 +21,16 @@ ChairOptions::entries()
 {
   return { {
       { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-        "Driver of tactorsink (default: the user's, else auto)", "NAME" },
-      { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Device of the driver", "ID" },
-      { "mapping", 0, 0, G_OPTION_ARG_STRING, &mapping.value, "Tactor of each cell, such as 2,1,0",
-        "TACTORS" },
+        N_("Driver of tactorsink (default: the user's, else auto)"), "NAME" },
+      { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, N_("Device of the driver"), "ID" },
+      { "mapping", 0, 0, G_OPTION_ARG_STRING, &mapping.value,
+        N_("Tactor of each cell, such as 2,1,0"), "TACTORS" },
       { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &calibration.value,
-        "Calibration file of tactor-calibrate", "FILE" },
+        N_("Calibration file of tactor-calibrate"), "FILE" },
       { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &intensity,
-        "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
-      { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value, "Write all commands to this CSV file",
-        "FILE" },
+        N_("Factor on all vibration, 0 to 1 (default: 1)"), "FACTOR" },
+      { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value,
+        N_("Write all commands to this CSV file"), "FILE" },
       {},
   } };
 }

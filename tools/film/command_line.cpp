@@ -2,6 +2,7 @@
 #include "command_line.h"
 
 #include "program.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <clocale>
@@ -22,31 +23,29 @@ help_text(GOptionContext *context)
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
       text.replace(at, what.size(), by);
   };
-  replace("Usage:\n  ", "Usage: ");
-  replace("Application Options:\n", "Options:\n");
+  const auto glib = [](const char *own) -> std::string {
+    return g_dgettext("glib20", own);
+  };
+  replace(glib("Usage:") + "\n  ", std::string(_("Usage:")) + " ");
+  const std::string heading = std::string("\n") + _("Options:") + "\n";
+  for (const char *own : { "Application Options:", "Options:" }) // with --help-all, and without
+    replace("\n" + glib(own) + "\n", heading);
   replace("…", "...");
   text.erase(text.find_last_not_of('\n') + 2);
   return text;
 }
 
-/// GLib's own texts are English while this lives, as the texts of the programs around them.
-class EnglishGLib
+/// Texts in the user's language, from here on. Sets no other part of the locale.
+void
+use_translations()
 {
-public:
-  EnglishGLib() : users_(std::setlocale(LC_MESSAGES, nullptr))
-  {
-    std::setlocale(LC_MESSAGES, "C");
-  }
-  ~EnglishGLib()
-  {
-    std::setlocale(LC_MESSAGES, users_.c_str());
-  }
-  EnglishGLib(const EnglishGLib &) = delete;
-  EnglishGLib &operator=(const EnglishGLib &) = delete;
-
-private:
-  std::string users_;
-};
+  const char *folder = g_getenv("VISUOTACTILE_LOCALE"); // of a build that is not installed
+  std::setlocale(LC_CTYPE, "");
+  std::setlocale(LC_MESSAGES, "");
+  bindtextdomain(PACKAGE, folder != nullptr ? folder : LOCALE_DIR);
+  bind_textdomain_codeset(PACKAGE, "UTF-8");
+  textdomain(PACKAGE); // without it, GLib translates nothing
+}
 
 bool
 wants_help(int argc, char **argv)
@@ -74,14 +73,13 @@ help_of(const char *program, const Command &command)
   try {
     command.run(2, arguments);
   } catch (const Help &help) {
-    constexpr std::string_view kUsage = "Usage: ";
-    constexpr std::string_view kOptions = "\n\nOptions:\n";
-    const std::string_view text = help.text;
-    const std::size_t summary = text.find("\n\n");
-    const std::size_t options = text.find(kOptions);
-    return { .usage = help.text.substr(kUsage.size(), summary - kUsage.size()),
+    const std::size_t usage = std::string_view(_("Usage:")).size() + 1;
+    const std::string heading = std::string("\n\n") + _("Options:") + "\n";
+    const std::size_t summary = help.text.find("\n\n");
+    const std::size_t options = help.text.find(heading);
+    return { .usage = help.text.substr(usage, summary - usage),
              .summary = help.text.substr(summary + 2, options - summary - 2),
-             .options = help.text.substr(options + kOptions.size()) };
+             .options = help.text.substr(options + heading.size()) };
   }
   return {};
 }
@@ -111,17 +109,17 @@ suggestion(std::span<const Command> commands, const std::string &wrong)
   for (const Command &command : commands) {
     all += (all.empty() ? "" : ", ") + std::string(command.name);
     if (distance(wrong, command.name) <= kNear)
-      near += (near.empty() ? "" : " or ") + ("'" + std::string(command.name) + "'");
+      near += (near.empty() ? "" : _(" or ")) + ("'" + std::string(command.name) + "'");
   }
-  return near.empty() ? "expected one of " + all : "did you mean " + near + "?";
+  return near.empty() ? in_text("expected one of {}", all) : in_text("did you mean {}?", near);
 }
 
 void
 print_summary(std::span<const Command> commands, std::FILE *file)
 {
-  std::fputs("Commands:\n", file);
+  std::fprintf(file, "%s\n", _("Commands:"));
   for (const Command &command : commands)
-    std::fprintf(file, "  %-9s %s\n", command.name, command.summary);
+    std::fprintf(file, "  %-9s %s\n", command.name, _(command.summary));
 }
 
 void
@@ -131,7 +129,7 @@ print_help(const char *program, std::span<const Command> commands)
   std::string sections;
   for (const Command &command : commands) {
     const CommandHelp help = help_of(program, command);
-    usages += (usages.empty() ? "Usage: " : "   or: ") + help.usage + "\n";
+    usages += (usages.empty() ? std::string(_("Usage:")) + " " : _("   or: ")) + help.usage + "\n";
     sections += std::string("\n") + program + " " + command.name + ":\n";
     for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
       end = help.summary.find('\n', begin);
@@ -150,7 +148,7 @@ std::vector<std::string>
 parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions &common,
               const Usage &usage)
 {
-  const EnglishGLib english;
+  use_translations();
   g_auto(GStrv) rest = nullptr;
   const GOptionEntry common_entries[]
       = { { "force", 'f', 0, G_OPTION_ARG_NONE, &common.force, usage.force_help, nullptr },
@@ -159,6 +157,7 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
           {} };
   g_autoptr(GOptionContext) context = g_option_context_new(usage.arguments);
   GOptionGroup *group = g_option_group_new("main", "Options:", "", usage.callback_data, nullptr);
+  g_option_group_set_translation_domain(group, PACKAGE);
   g_option_group_add_entries(group, entries);
   if (usage.more)
     g_option_group_add_entries(group, usage.more);
@@ -167,7 +166,7 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
   g_option_context_set_help_enabled(context, usage.group != nullptr); // for --help-all
   if (usage.group)
     g_option_context_add_group(context, usage.group);
-  g_option_context_set_summary(context, usage.summary);
+  g_option_context_set_summary(context, _(usage.summary));
   g_autofree gchar *name = g_path_get_basename(argv[0]);
   g_set_prgname(name);
   if (wants_help(argc, argv))
@@ -179,7 +178,7 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
   for (gchar **argument = rest; argument && *argument; argument++)
     arguments.emplace_back(*argument);
   if (arguments.size() < usage.least || arguments.size() > usage.most)
-    throw UsageError(std::string("expected ") + usage.arguments);
+    throw UsageError(in_text("expected {}", usage.arguments));
   return arguments;
 }
 
@@ -188,8 +187,8 @@ expect_range(const char *option, double value, double least, double most)
 {
   if (value >= least && value <= most)
     return;
-  g_autofree gchar *text = g_strdup_printf("%s is a number from %.10g to %.10g, got %.10g", option,
-                                           least, most, value);
+  g_autofree gchar *text = g_strdup_printf(_("%s is a number from %.10g to %.10g, got %.10g"),
+                                           option, least, most, value);
   throw UsageError(text);
 }
 
@@ -201,16 +200,16 @@ expect_one_of(const char *option, std::string_view value, std::span<const std::s
   std::string names;
   for (const std::string_view name : known)
     names += (names.empty() ? "" : ", ") + std::string(name);
-  throw UsageError(std::string(option) + " is one of " + names + ", got '" + std::string(value)
-                   + "'");
+  throw UsageError(in_text("{} is one of {}, got '{}'", option, names, value));
 }
 
 int
 run_commands(const char *program, std::span<const Command> commands, int argc, char **argv)
 {
+  use_translations();
   const std::string name = argc > 1 ? argv[1] : "";
   if (name.empty()) {
-    std::fprintf(stderr, "Usage: %s COMMAND [OPTION...] ...\n\n", program);
+    std::fprintf(stderr, "%s %s COMMAND [OPTION...] ...\n\n", _("Usage:"), program);
     print_summary(commands, stderr);
     return 2;
   }
@@ -225,7 +224,7 @@ run_commands(const char *program, std::span<const Command> commands, int argc, c
   const auto command
       = std::ranges::find_if(commands, [&](const Command &known) { return name == known.name; });
   if (command == commands.end()) {
-    print_error(program, "there is no command '" + name + "'; " + suggestion(commands, name));
+    print_error(program, in_text("there is no command '{}'; {}", name, suggestion(commands, name)));
     return 2;
   }
   std::string program_and_name = std::string(program) + " " + name;
@@ -236,7 +235,7 @@ run_commands(const char *program, std::span<const Command> commands, int argc, c
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const UsageError &error) {
-    print_error(program, name + ": " + error.what() + "; see " + program_and_name + " --help");
+    print_error(program, in_text("{}: {}; see {} --help", name, error.what(), program_and_name));
     return 2;
   } catch (const Stopped &) {
     return 130;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "translation.h"
+
 #include <glib.h>
 
 #include <cstddef>
@@ -53,13 +55,13 @@ struct CommonOptions
 /// What a command takes.
 struct Usage
 {
-  static constexpr const char *kOnlyErrors = "Print only errors";
+  static constexpr const char *kOnlyErrors = N_("Print only errors");
 
   const char *arguments; ///< as in --help
   const char *summary;   ///< likewise, in lines of at most 80 columns
   std::size_t least;     ///< number of arguments
   std::size_t most;
-  const char *force_help = "No effect in this command";
+  const char *force_help = N_("No effect in this command");
   const char *quiet_help = kOnlyErrors;
   const GOptionEntry *more = nullptr; ///< entries that several programs share, ended likewise
   gpointer callback_data = nullptr;   ///< for G_OPTION_ARG_CALLBACK
@@ -72,7 +74,8 @@ struct Help
   std::string text;
 };
 
-/// Reads `entries` (ended by an empty one), --force and --quiet, and returns the other arguments.
+/// The texts of the program, those of `entries` too, are in the user's language from here on. Reads
+/// `entries` (ended by an empty one), --force and --quiet, and returns the other arguments.
 /// argv[0] is what to call: a program, or a program and its command. Throws UsageError or Help.
 std::vector<std::string> parse_options(int argc, char **argv, const GOptionEntry *entries,
                                        CommonOptions &common, const Usage &usage);

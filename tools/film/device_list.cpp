@@ -2,6 +2,7 @@
 #include "device_list.h"
 
 #include "command_line.h"
+#include "translation.h"
 
 #include <stdexcept>
 
@@ -95,7 +96,7 @@ audio_sink(const std::string &card)
     }
   });
   if (line.empty())
-    throw std::runtime_error("expected --device to name a sound card, got '" + card + "'; found "
-                             + (cards.empty() ? "none" : cards));
+    throw std::runtime_error(in_text("expected --device to name a sound card, got '{}'; found {}",
+                                     card, (cards.empty() ? "none" : cards)));
   return line;
 }

@@ -2,6 +2,7 @@
 #include "film.h"
 
 #include "pipeline.h"
+#include "translation.h"
 
 #include <gst/pbutils/pbutils.h>
 
@@ -26,20 +27,20 @@ to_uri(const std::string &path)
     // After the path: "Part 2: the return.mkv" is a valid URI, too.
     if (gst_uri_is_valid(path.c_str()))
       return path;
-    throw std::runtime_error("there is no film '" + path
-                             + "'; give the path of a film, or none for the built-in one");
+    throw std::runtime_error(in_text(
+        "there is no film '{}'; give the path of a film, or none for the built-in one", path));
   }
   if (std::filesystem::is_directory(path, error))
-    throw std::runtime_error("'" + path + "' is a folder; give the path of a film");
+    throw std::runtime_error(in_text("'{}' is a folder; give the path of a film", path));
   if (std::filesystem::is_other(path, error) && !std::filesystem::is_block_file(path, error))
-    throw std::runtime_error(
-        "'" + path + "' is a pipe or a device, which cannot be played; give the path of a film");
+    throw std::runtime_error(in_text(
+        "'{}' is a pipe or a device, which cannot be played; give the path of a film", path));
   if (access(path.c_str(), R_OK) != 0)
-    throw std::runtime_error("cannot read '" + path
-                             + "': " + std::generic_category().message(errno));
+    throw std::runtime_error(
+        in_text("cannot read '{}': {}", path, std::generic_category().message(errno)));
   g_autofree gchar *uri = gst_filename_to_uri(path.c_str(), nullptr);
   if (!uri)
-    throw std::runtime_error("cannot make a URI of '" + path + "'");
+    throw std::runtime_error(in_text("cannot make a URI of '{}'", path));
   return uri;
 }
 
@@ -121,8 +122,8 @@ discover_film(const std::string &path_or_uri)
   const std::unique_ptr<GstDiscovererInfo, GstUnref> info(
       gst_discoverer_discover_uri(discoverer.get(), film.uri.c_str(), &error));
   if (!info)
-    throw std::runtime_error("cannot open '" + path_or_uri
-                             + "': " + (error ? error->message : "no reason given"));
+    throw std::runtime_error(
+        in_text("cannot open '{}': {}", path_or_uri, (error ? error->message : "no reason given")));
 
   const std::string missing = missing_plugins(info.get());
   GList *videos = gst_discoverer_info_get_video_streams(info.get());
@@ -149,13 +150,15 @@ discover_film(const std::string &path_or_uri)
     film.duration = duration;
 
   if (!missing.empty() && film.width == 0)
-    throw std::runtime_error("'" + path_or_uri + "' needs plugins that are not installed: "
-                             + missing + "; gstreamer1.0-plugins-bad may have it");
+    throw std::runtime_error(in_text(
+        "'{}' needs plugins that are not installed: {}; gstreamer1.0-plugins-bad may have it",
+        path_or_uri, missing));
   if (gst_discoverer_info_get_result(info.get()) != GST_DISCOVERER_OK && film.width == 0)
-    throw std::runtime_error("'" + path_or_uri + "' is not a film that GStreamer can decode: "
-                             + (error ? error->message : "unknown kind of file"));
+    throw std::runtime_error(in_text("'{}' is not a film that GStreamer can decode: {}",
+                                     path_or_uri,
+                                     (error ? error->message : "unknown kind of file")));
   if (!video)
-    throw std::runtime_error("'" + path_or_uri + "' has no moving picture; expected a film");
+    throw std::runtime_error(in_text("'{}' has no moving picture; expected a film", path_or_uri));
   return film;
 }
 

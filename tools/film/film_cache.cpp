@@ -2,6 +2,7 @@
 #include "film_cache.h"
 
 #include "files/whole_file.h"
+#include "translation.h"
 
 #include <glib.h>
 
@@ -57,13 +58,14 @@ FilmCache::keep(std::string_view bytes, const std::string &film,
 {
   const std::string file = path(film, made_with);
   if (file.empty())
-    throw std::runtime_error("cannot read '" + film + "'");
+    throw std::runtime_error(in_text("cannot read '{}'", film));
   if (library::file_version(film) != made_of)
-    throw std::runtime_error("'" + film + "' has changed since");
+    throw std::runtime_error(in_text("'{}' has changed since", film));
   if (g_mkdir_with_parents(folder_.c_str(), 0700) != 0)
-    throw std::runtime_error("cannot make the folder '" + folder_ + "': " + g_strerror(errno));
+    throw std::runtime_error(
+        in_text("cannot make the folder '{}': {}", folder_, g_strerror(errno)));
   if (const auto written = files::replace_file(file, bytes, files::Readers::user); !written)
-    throw std::runtime_error("cannot write " + written.error());
+    throw std::runtime_error(in_text("cannot write {}", written.error()));
   remove_old();
 }
 

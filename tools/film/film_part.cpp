@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film_part.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -46,7 +47,7 @@ FilmPart::start()
   if (gst_element_set_state(pipeline_.get(), has_sought_ ? GST_STATE_PLAYING : GST_STATE_PAUSED)
       == GST_STATE_CHANGE_FAILURE) {
     stop();
-    throw std::runtime_error("it cannot be played");
+    throw std::runtime_error(_("it cannot be played"));
   }
   stall_ = g_timeout_add_seconds(
       kStalled, +[](gpointer self) { return static_cast<FilmPart *>(self)->look_for_stall(); },

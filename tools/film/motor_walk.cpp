@@ -6,6 +6,7 @@
 #include "pipeline.h"
 
 #include "tactor/drivers/registry.h"
+#include "translation.h"
 
 #include <gst/app/gstappsrc.h>
 #include <gst/tactile/tactile.h>
@@ -91,7 +92,8 @@ MotorWalk
 walk_of_motors(const std::vector<std::string> &names)
 {
   if (names.empty() || names.size() > kMostColumns * kMostColumns)
-    throw std::runtime_error("expected 1 to 4096 motors, got " + std::to_string(names.size()));
+    throw std::runtime_error(
+        in_text("expected 1 to 4096 motors, got {}", std::to_string(names.size())));
   const std::size_t columns = std::min(names.size(), kMostColumns);
   const std::size_t rows = (names.size() + columns - 1) / columns;
   MotorWalk motors{ .names = names,
@@ -123,8 +125,8 @@ void
 keep_motor(MotorWalk &motors, int only)
 {
   if (only < 1 || static_cast<std::size_t>(only) > motors.names.size())
-    throw std::runtime_error("expected a motor from 1 to " + std::to_string(motors.names.size())
-                             + ", got " + std::to_string(only));
+    throw std::runtime_error(in_text("expected a motor from 1 to {}, got {}",
+                                     std::to_string(motors.names.size()), std::to_string(only)));
   for (std::size_t motor = 0; motor < motors.names.size(); motor++)
     if (motor + 1 != static_cast<std::size_t>(only))
       motors.names[motor].clear();
@@ -138,7 +140,7 @@ walk(GstElement *sink, const MotorWalk &motors,
   const Pipeline pipeline(gst_pipeline_new(nullptr));
   const Owned<GstElement> source(gst_element_factory_make("appsrc", nullptr));
   if (source == nullptr)
-    throw std::runtime_error("GStreamer has no element 'appsrc'; install its base plugins");
+    throw std::runtime_error(_("GStreamer has no element 'appsrc'; install its base plugins"));
   gst_object_ref_sink(source.get());
   g_object_set(source.get(), "format", GST_FORMAT_TIME, nullptr);
   gst_bin_add_many(GST_BIN(pipeline.get()), source.get(), sink, nullptr);
@@ -171,7 +173,7 @@ walk(GstElement *sink, const MotorWalk &motors,
       gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE);
       ended(pipeline.get(), at, hold, info);
       if (is_simulated(sink, warnings.empty() ? info : warnings.back()))
-        show("simulated, as the driver is the simulator");
+        show(_("simulated, as the driver is the simulator"));
       std::ranges::for_each(warnings, warn);
     }
     ended(pipeline.get(), at, warn, info);

@@ -3,6 +3,7 @@
 
 #include "files/replace.h"
 #include "text.h"
+#include "translation.h"
 
 #include <glib.h>
 
@@ -52,8 +53,8 @@ Output::Output(const fs::path &directory, const std::string &name)
 {
   remove_stale_parts(final_.parent_path(), part_stem(final_.filename()));
   if (const auto expected = files::expect_regular(final_.string()); !expected)
-    throw std::runtime_error("'" + final_.string() + "': " + expected.error().reason
-                             + "; move it away or give another --output");
+    throw std::runtime_error(in_text("'{}': {}; move it away or give another --output",
+                                     final_.string(), expected.error().reason));
 }
 
 Output::~Output()
@@ -71,7 +72,8 @@ Output::commit()
   const auto replaced = files::open_regular(part_).and_then(
       [this](const files::File &part) { return files::replace(part, part_, final_); });
   if (!replaced)
-    throw std::runtime_error("cannot write '" + final_.string() + "': " + replaced.error().reason);
+    throw std::runtime_error(
+        in_text("cannot write '{}': {}", final_.string(), replaced.error().reason));
   return true;
 }
 
@@ -81,12 +83,12 @@ prepare_directory(const fs::path &directory)
   std::error_code error;
   fs::create_directories(directory, error);
   if (error)
-    throw std::runtime_error("cannot make the folder '" + directory.string()
-                             + "': " + error.message());
+    throw std::runtime_error(
+        in_text("cannot make the folder '{}': {}", directory.string(), error.message()));
   if (!fs::is_directory(directory, error))
-    throw std::runtime_error("'" + directory.string()
-                             + "' is not a folder; expected one for --output");
+    throw std::runtime_error(
+        in_text("'{}' is not a folder; expected one for --output", directory.string()));
   if (access(directory.c_str(), W_OK) != 0)
-    throw std::runtime_error("cannot write to the folder '" + directory.string()
-                             + "': " + std::generic_category().message(errno));
+    throw std::runtime_error(in_text("cannot write to the folder '{}': {}", directory.string(),
+                                     std::generic_category().message(errno)));
 }

@@ -2,6 +2,7 @@
 #include "picture.h"
 
 #include "output.h"
+#include "translation.h"
 
 #include <cairo-svg.h>
 
@@ -39,6 +40,7 @@ write_picture(const std::string &path, double width, double height, double scale
   if (status == CAIRO_STATUS_SUCCESS)
     status = cairo_surface_status(surface.get());
   if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error("cannot write '" + path + "': " + cairo_status_to_string(status));
+    throw std::runtime_error(
+        in_text("cannot write '{}': {}", path, cairo_status_to_string(status)));
   file.commit();
 }

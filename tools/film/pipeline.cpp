@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pipeline.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cstring>
@@ -41,7 +42,7 @@ make_pipeline(const std::string &line)
   Pipeline pipeline(
       gst_parse_launch_full(line.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
   if (!pipeline)
-    throw std::runtime_error(std::string("cannot build the pipeline: ") + error->message);
+    throw std::runtime_error(in_text("cannot build the pipeline: {}", error->message));
   if (line.find(kBytes) != std::string::npos) {
     GstIterator *elements = gst_bin_iterate_recurse(GST_BIN(pipeline.get()));
     gst_iterator_foreach(elements, set_bytes, nullptr); // resyncs do not happen: nobody adds any

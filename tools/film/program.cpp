@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "program.h"
+#include "translation.h"
 
 #include <glib.h>
 
@@ -147,7 +148,7 @@ run_program(const std::vector<std::string> &arguments, const char *package,
   const FileDescriptor errors(memfd_create("stderr", MFD_CLOEXEC));
   std::array<int, 2> ends{};
   if (*errors < 0 || pipe(ends.data()) != 0)
-    throw std::runtime_error(std::string("cannot start ") + argv[0] + ": " + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot start {}: {}", argv[0], g_strerror(errno)));
   const FileDescriptor from(ends[0]);
   auto to = std::make_unique<FileDescriptor>(ends[1]);
 
@@ -159,10 +160,10 @@ run_program(const std::vector<std::string> &arguments, const char *package,
           nullptr, const_cast<gchar **>(argv.data()), environment,
           static_cast<GSpawnFlags>(G_SPAWN_SEARCH_PATH | G_SPAWN_DO_NOT_REAP_CHILD), prepare_child,
           nullptr, &child, -1, **to, *errors, &error))
-    throw std::runtime_error(std::string("'") + argv[0] + "' is needed: "
-                             + (g_error_matches(error, G_SPAWN_ERROR, G_SPAWN_ERROR_NOENT)
-                                    ? std::string("install the package ") + package
-                                    : error->message));
+    throw std::runtime_error(in_text("'{}' is needed: {}", argv[0],
+                                     (g_error_matches(error, G_SPAWN_ERROR, G_SPAWN_ERROR_NOENT)
+                                          ? std::string("install the package ") + package
+                                          : error->message)));
   the_child = child;
   if (was_stopped)
     kill(child, SIGTERM);

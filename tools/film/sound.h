@@ -5,12 +5,13 @@
 #include "pipeline.h"
 
 #include "fusion/profile.h"
+#include "translation.h"
 
 #include <string>
 
 /// The option `--sound`: its help and its profile, nullptr for "off". Throws UsageError.
 inline constexpr const char *kSoundHelp
-    = "Profile of the sound: off (default), film, music, dialogue-heavy or bass-shaker";
+    = N_("Profile of the sound: off (default), film, music, dialogue-heavy or bass-shaker");
 const fusion::Profile *sound_profile(const std::string &name);
 
 /// A film's sound in a launch line: a queue `heard`, audioconvert `sound` and, with a profile,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "user_defaults.h"
 
+#include "translation.h"
+
 #include <cstdio>
 #include <utility>
 
@@ -95,16 +97,16 @@ UserDefaults::fill_grid(gint &rows, gint &columns, gint not_given)
 std::string
 UserDefaults::text(const std::string &driver) const
 {
-  std::string why = driver == "auto" && find("driver") == nullptr ? "default" : "option";
+  std::string why = driver == "auto" && find("driver") == nullptr ? _("default") : _("option");
   std::string applied;
   for (const Filled &filled : filled_)
     if (filled.holds()) {
-      applied += (applied.empty() ? "; settings of the user: " : ", ") + filled.key + "="
+      applied += (applied.empty() ? _("; settings of the user: ") : ", ") + filled.key + "="
                  + filled.value;
       if (filled.key == "driver")
-        why = "settings";
+        why = _("settings");
     }
-  return "plays on driver=" + driver + " (" + why + ")" + applied;
+  return in_text("plays on driver={} ({})", driver, why) + applied;
 }
 
 void

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "house/missing.h"
 
-#include "house/translation.h"
 #include "tactor/drivers/last_device.h"
+#include "translation.h"
 
 #include <glib.h>
 

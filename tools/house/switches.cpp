@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "house/switches.h"
 
-#include "house/translation.h"
+#include "translation.h"
 
 #include "chair/settings_file.h"
 #include "film/program.h"

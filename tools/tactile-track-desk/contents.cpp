@@ -3,6 +3,7 @@
 
 #include "film/background.h"
 #include "film/progress.h"
+#include "translation.h"
 
 #include <cmath>
 #include <exception>
@@ -84,6 +85,6 @@ FilmContents::wait_for_draft() const
     g_main_context_iteration(nullptr, TRUE);
   g_source_remove(tick);
   if (!draft_.track())
-    throw std::runtime_error("no draft could be authored: " + draft_.failure());
+    throw std::runtime_error(in_text("no draft could be authored: {}", draft_.failure()));
   return *draft_.track();
 }

@@ -16,6 +16,7 @@
 #include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt.h"
+#include "translation.h"
 
 #include <csignal>
 #include <cstdio>
@@ -54,7 +55,7 @@ track_beside(const std::string &film)
     taken = name;
   }
   if (free.empty())
-    throw std::runtime_error("'" + taken + "' is no track; name the track to edit");
+    throw std::runtime_error(in_text("'{}' is no track; name the track to edit", taken));
   return free;
 }
 
@@ -77,7 +78,7 @@ copy_stored(const DeskOptions &options, const Film &film, const std::string &tra
   if (const auto done = files::replace_file(track, tactile::write_webvtt(found->track)); !done)
     throw std::runtime_error(done.error());
   if (!options.common.quiet)
-    std::fprintf(stderr, "'%s' is a copy of '%s'\n", track.c_str(), found->path.c_str());
+    std::fprintf(stderr, _("'%s' is a copy of '%s'\n"), track.c_str(), found->path.c_str());
   return true;
 }
 
@@ -91,7 +92,8 @@ token_of(const std::string &track)
   const auto tokens = kept_tokens((folder / name).string(), 1);
   if (tokens)
     return tokens->front();
-  print_error(kProgram, "the page's address is another one at the next start: " + tokens.error());
+  print_error(kProgram,
+              in_text("the page's address is another one at the next start: {}", tokens.error()));
   return "";
 }
 
@@ -111,16 +113,17 @@ run(const DeskOptions &options)
   const std::string page = set ? set : DESK_PAGE;
   std::error_code error;
   if (!fs::exists(page + "/index.html", error))
-    throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
+    throw std::runtime_error(
+        in_text("there is no page in '{}'; install visuotactile completely", page));
   if (!fs::is_regular_file(options.film, error))
-    throw std::runtime_error("'" + options.film + "' is no file; expected a film's");
+    throw std::runtime_error(in_text("'{}' is no file; expected a film's", options.film));
   const Film film = discover_film(options.film);
   AnalysisSettings settings;
   std::unique_ptr<FilmContents> contents;
   const std::string track = options.track.empty() ? track_beside(options.film) : options.track;
   if (!fs::exists(track, error) && !copy_stored(options, film, track)) {
     if (!options.common.quiet)
-      std::fprintf(stderr, "There is no '%s' yet: a draft is authored\n", track.c_str());
+      std::fprintf(stderr, _("There is no '%s' yet: a draft is authored\n"), track.c_str());
     const auto format = or_throw(tactile::written_format(track));
     contents = std::make_unique<FilmContents>(film, options.film, settings);
     const std::string draft = tactile::with_draft_note(
@@ -162,11 +165,11 @@ run(const DeskOptions &options)
   Browser browser;
   if (!options.no_browser)
     if (const std::string why = browser.open(server.address()); !why.empty())
-      print_error(kProgram, "no browser could be opened: " + why + "; open the address above");
+      print_error(kProgram, in_text("no browser could be opened: {}; open the address above", why));
   if (!options.common.quiet)
     std::fprintf(stderr,
-                 "Ctrl-C ends the desk. Edits of '%s' that are not saved stay in its "
-                 "journal.\n",
+                 _("Ctrl-C ends the desk. Edits of '%s' that are not saved stay in its "
+                   "journal.\n"),
                  track.c_str());
   run_until_signal();
 }
@@ -191,7 +194,7 @@ main(int argc, char **argv)
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const UsageError &error) {
-    print_error(kProgram, std::string(error.what()) + "; see " + kProgram + " --help");
+    print_error(kProgram, in_text("{}; see {} --help", error.what(), kProgram));
     return 2;
   } catch (const std::exception &error) {
     print_error(kProgram, error.what());

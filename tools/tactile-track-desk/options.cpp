@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "options.h"
+#include "translation.h"
 
 #include <vector>
 
@@ -9,15 +10,16 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
   constexpr int kHighestPort = 65535;
   const GOptionEntry entries[] = {
     { "review", 0, 0, G_OPTION_ARG_NONE, &options.review,
-      "Show draft and track side by side, to accept or reject cue by cue", nullptr },
+      N_("Show draft and track side by side, to accept or reject cue by cue"), nullptr },
     { "port", 0, 0, G_OPTION_ARG_INT, &options.port,
-      "Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this track, or any free one",
+      N_("Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this track, or any free "
+         "one"),
       "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &options.no_browser,
-      "Open no browser: only print the address", nullptr },
+      N_("Open no browser: only print the address"), nullptr },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Folder of tracks, or its address on a web server; FILM's track is copied from there if "
-      "there is none beside FILM",
+      N_("Folder of tracks, or its address on a web server; FILM's track is copied from there if "
+         "there is none beside FILM"),
       "DIR" },
     {},
   };
@@ -27,10 +29,10 @@ read_desk_options(int argc, char **argv, DeskOptions &options, UserDefaults &def
       argc, argv, entries, options.common,
       { .arguments = "FILM [TRACK]",
         .summary
-        = "Edits a track beside its film, in your browser. TRACK is WebVTT. Without TRACK, the "
-          "desk\nopens the track beside the film; if there is none, the track of --tracks, or a "
-          "draft,\nwhich it makes first. Each edit is stored on the disk at once, and TRACK when "
-          "you save.\nCtrl-C ends the desk, with all motors at zero.",
+        = N_("Edits a track beside its film, in your browser. TRACK is WebVTT. Without TRACK, the "
+             "desk\nopens the track beside the film; if there is none, the track of --tracks, or a "
+             "draft,\nwhich it makes first. Each edit is stored on the disk at once, and TRACK "
+             "when you save.\nCtrl-C ends the desk, with all motors at zero."),
         .least = 1,
         .most = 2,
         .more = chair.data() });

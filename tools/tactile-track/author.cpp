@@ -9,6 +9,7 @@
 #include "film/sound.h"
 #include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 
@@ -246,7 +247,7 @@ public:
       g_source_remove(source);
     progress_.clear();
     if (stopped_) {
-      std::fprintf(stderr, "tactile-track: stopped; run the same command again to continue\n");
+      std::fprintf(stderr, _("tactile-track: stopped; run the same command again to continue\n"));
       return 130;
     }
     return failed_ > 0 ? 1 : 0;
@@ -282,7 +283,7 @@ private:
     } else if (!quiet_) {
       const auto [film, taken] = job.times();
       progress_.clear();
-      std::printf("%s: %.1f s of film in %.1f s, %.1f times real time\n", job.output().c_str(),
+      std::printf(_("%s: %.1f s of film in %.1f s, %.1f times real time\n"), job.output().c_str(),
                   film, taken, film / std::max(taken, 1e-3));
       std::fflush(stdout);
     }
@@ -296,8 +297,10 @@ private:
     double done = 0;
     for (std::size_t i = 0; i < next_; i++)
       done += jobs_[i]->progress();
-    progress_.show(std::to_string(std::lround(100 * done / static_cast<double>(jobs_.size())))
-                   + " % of " + std::to_string(jobs_.size()) + " films");
+    progress_.show(
+        in_text("{} % of {} films",
+                std::to_string(std::lround(100 * done / static_cast<double>(jobs_.size()))),
+                std::to_string(jobs_.size())));
     return G_SOURCE_CONTINUE;
   }
 
@@ -330,7 +333,7 @@ output_names(const std::vector<std::string> &films, const std::string &output,
   for (const std::string &film : films) {
     names.push_back((fs::path(output) / fs::path(film).stem()).string() + ending);
     if (!taken.insert(names.back()).second)
-      throw UsageError("two films have the track '" + names.back() + "'");
+      throw UsageError(in_text("two films have the track '{}'", names.back()));
   }
   return names;
 }
@@ -349,38 +352,39 @@ author(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The track, or the folder for the tracks of several films", "TRACK" },
+      N_("The track, or the folder for the tracks of several films"), "TRACK" },
     { "form", 0, 0, G_OPTION_ARG_STRING, &ending.value,
-      "Format of the tracks in a folder, by the ending of their names (default: .vtt)", "ENDING" },
-    { "rows", 'r', 0, G_OPTION_ARG_INT, &settings.rows, "Rows of tactors, 1 to 64 (default: 3)",
+      N_("Format of the tracks in a folder, by the ending of their names (default: .vtt)"),
+      "ENDING" },
+    { "rows", 'r', 0, G_OPTION_ARG_INT, &settings.rows, N_("Rows of tactors, 1 to 64 (default: 3)"),
       "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &settings.columns,
-      "Columns of tactors, 1 to 64 (default: 3)", "N" },
+      N_("Columns of tactors, 1 to 64 (default: 3)"), "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &settings.rate,
-      "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
+      N_("Rate in Hz at which levels may change; 0: with every frame (default: 5)"), "HZ" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
-      "Profile of the analysis: tuned (default) or paper", "NAME" },
+      N_("Profile of the analysis: tuned (default) or paper"), "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &sound.value, kSoundHelp, "PROFILE" },
     { "parts", 0, 0, G_OPTION_ARG_INT, &settings.parts,
-      "Number of parts of each film to analyze at the same time; levels near the ends of parts "
-      "differ a little (default: 1)",
+      N_("Number of parts of each film to analyze at the same time; levels near the ends of parts "
+         "differ a little (default: 1)"),
       "N" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
-      "Number of films to analyze at the same time (default: one per processor)", "N" },
+      N_("Number of films to analyze at the same time (default: one per processor)"), "N" },
     {},
   };
   const std::vector<std::string> films = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM... -o TRACK",
-        .summary = "Makes tracks of films, with the levels and times of visuotactile-play. A "
-                   "track\nappears when it is complete. Tracks that are newer than their films and "
-                   "were made\nwith the same settings are skipped, so that the same command "
-                   "continues an\ninterrupted batch. Edited tracks are kept.",
+        .summary = N_("Makes tracks of films, with the levels and times of visuotactile-play. A "
+                      "track\nappears when it is complete. Tracks that are newer than their films "
+                      "and were made\nwith the same settings are skipped, so that the same command "
+                      "continues an\ninterrupted batch. Edited tracks are kept."),
         .least = 1,
         .most = std::numeric_limits<std::size_t>::max(),
-        .force_help = "Make all tracks again, also those that are up to date or were edited" });
+        .force_help = N_("Make all tracks again, also those that are up to date or were edited") });
   if (!output.is_set())
-    throw UsageError("expected -o TRACK");
+    throw UsageError(_("expected -o TRACK"));
   expect_range("--rows", settings.rows, 1, 64);
   expect_range("--columns", settings.columns, 1, 64);
   expect_range("--rate", settings.rate, 0, 1000);
@@ -389,7 +393,8 @@ author(int argc, char **argv)
   settings.sound = sound_profile(sound.text("off"));
   expect_range("--parts", settings.parts, 1, 64);
   if (settings.parts > 1 && settings.rows * settings.columns > kMostCells)
-    throw UsageError("--parts is for grids of at most " + std::to_string(kMostCells) + " cells");
+    throw UsageError(
+        in_text("--parts is for grids of at most {} cells", std::to_string(kMostCells)));
   expect_range("--jobs", jobs, 0, 1024);
   gst_init(nullptr, nullptr);
 
@@ -403,7 +408,7 @@ author(int argc, char **argv)
     else if (there == Job::There::nothing)
       work.push_back(std::move(job));
     else if (!common.quiet)
-      std::printf("%s: up to date\n", names[i].c_str());
+      std::printf(_("%s: up to date\n"), names[i].c_str());
   }
   return Batch(std::move(work), jobs > 0 ? static_cast<std::size_t>(jobs) : g_get_num_processors(),
                common.quiet != FALSE)

@@ -4,6 +4,7 @@
 #include "commands.h"
 
 #include "tactile-track-desk/options.h"
+#include "translation.h"
 
 #include <cerrno>
 #include <cstring>
@@ -22,6 +23,7 @@ desk(int argc, char **argv)
   const char *set = g_getenv("VISUOTACTILE_DESK");
   const std::string program = set ? set : DESK_PROGRAM;
   execv(program.c_str(), arguments.data());
-  throw std::runtime_error("'" + program + "' cannot be run: " + g_strerror(errno)
-                           + (errno == ENOENT ? "; it is installed with visuotactile-tools" : ""));
+  throw std::runtime_error(
+      in_text("'{}' cannot be run: {}{}", program, g_strerror(errno),
+              (errno == ENOENT ? "; it is installed with visuotactile-tools" : "")));
 }

@@ -5,6 +5,7 @@
 
 #include "film/film.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 #include "visuotactile-follow/map_source.h"
 
 #include <gst/gst.h>
@@ -55,17 +56,17 @@ extract(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[]
       = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-            "The track to write or replace; its name selects the format", "TRACK" },
+            N_("The track to write or replace; its name selects the format"), "TRACK" },
           {} };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM -o TRACK",
-        .summary = "Copies the track of a film's file to TRACK: text cues in subtitles, also "
-                   "WebVTT, or\nKLV. The film's file does not change.",
+        .summary = N_("Copies the track of a film's file to TRACK: text cues in subtitles, also "
+                      "WebVTT, or\nKLV. The film's file does not change."),
         .least = 1,
         .most = 1 });
   if (!output.is_set())
-    throw UsageError("expected -o TRACK");
+    throw UsageError(_("expected -o TRACK"));
   or_throw(tactile::written_format(output.text()));
   gst_init(nullptr, nullptr);
   const std::string path = film_path(names[0]);
@@ -82,11 +83,11 @@ extract(int argc, char **argv)
       break;
   }
   if (const std::string failure = source->failure(); !failure.empty())
-    throw std::runtime_error("cannot read '" + path + "': " + failure);
+    throw std::runtime_error(in_text("cannot read '{}': {}", path, failure));
   const std::optional<tactile::Track> track = extracted.track();
   if (!track)
-    throw std::runtime_error("'" + path
-                             + "' carries no track; expected subtitles that are text cues, or KLV");
+    throw std::runtime_error(
+        in_text("'{}' carries no track; expected subtitles that are text cues, or KLV", path));
   write_track_file(*track, output.text());
   return 0;
 }

@@ -2,6 +2,7 @@
 #include "film_contents.h"
 
 #include "film/program.h"
+#include "translation.h"
 #include "json/json_reader.h"
 
 #include <glib.h>
@@ -319,7 +320,8 @@ read_contents(const std::string &path, const std::function<void(double)> &on_pro
   JsonObject *format = all ? json::object(all, "format") : nullptr;
   JsonArray *streams = all ? json::array(all, "streams") : nullptr;
   if (end.status != 0 || !format || !streams)
-    throw std::runtime_error("'" + path + "' is not a film that FFmpeg can read: " + end.complaint);
+    throw std::runtime_error(
+        in_text("'{}' is not a film that FFmpeg can read: {}", path, end.complaint));
   FilmContents contents{ .container = value(format, "format_name") };
   const double start = number(format, "start_time");
   contents.start = std::isnan(start) ? 0 : start;

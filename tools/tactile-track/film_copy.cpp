@@ -5,6 +5,7 @@
 #include "film/program.h"
 #include "tracks/formats/film_file.h"
 #include "tracks/formats/transport_stream.h"
+#include "translation.h"
 #include "json/json_reader.h"
 
 #include <glib.h>
@@ -164,7 +165,7 @@ finish_ffmpeg(Arguments arguments, Container container, double duration, const s
       on_progress(std::clamp(time / 1e6 / duration, 0.0, 1.0));
   });
   if (end.status != 0)
-    throw std::runtime_error("ffmpeg: " + end.complaint);
+    throw std::runtime_error(in_text("ffmpeg: {}", end.complaint));
 }
 
 /// The tool marks a track that is the only subtitle stream as enabled, and players would show it.
@@ -180,7 +181,7 @@ disable_track(const std::string &path)
   if (file >= 0)
     close(file);
   if (bytes == MAP_FAILED)
-    throw std::runtime_error(std::string("cannot mark the track: ") + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot mark the track: {}", g_strerror(errno)));
   const auto size = static_cast<std::size_t>(status.st_size);
   tactile::disable_by_default({ static_cast<std::uint8_t *>(bytes), size });
   munmap(bytes, size);
@@ -202,7 +203,7 @@ open_file(const std::string &path, const char *mode)
 {
   File file(std::fopen(path.c_str(), mode));
   if (!file)
-    throw std::runtime_error("cannot open '" + path + "': " + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot open '{}': {}", path, g_strerror(errno)));
   return file;
 }
 
@@ -279,7 +280,8 @@ copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
       on_progress(percent / 100.0);
   });
   if (end.status > 1) // 1: with warnings
-    throw std::runtime_error("mkvmerge: " + (complaint.empty() ? end.complaint : complaint));
+    throw std::runtime_error(
+        in_text("mkvmerge: {}", (complaint.empty() ? end.complaint : complaint)));
   complete_matroska(what.film, to);
 }
 
@@ -314,7 +316,7 @@ copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<
       add(options, "-metadata:s:" + index, "handler_name=" + title->second);
   }
   if (count == 0)
-    throw std::runtime_error("its container takes none of its streams");
+    throw std::runtime_error(_("its container takes none of its streams"));
   if (has_track) {
     if (!what.first || !is_placed)
       add_track();
@@ -370,7 +372,7 @@ copy_transport_stream(const FilmAndTrack &what, const std::string &from, double 
   std::vector<std::uint8_t> out;
   const auto write = [&] {
     if (std::fwrite(out.data(), 1, out.size(), copy.get()) != out.size())
-      throw std::runtime_error("cannot write '" + to + "': " + g_strerror(errno));
+      throw std::runtime_error(in_text("cannot write '{}': {}", to, g_strerror(errno)));
     out.clear();
   };
   for (long count = 0; next(); count++) {
@@ -385,5 +387,5 @@ copy_transport_stream(const FilmAndTrack &what, const std::string &from, double 
   out.insert(out.end(), packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size));
   write();
   if (std::fflush(copy.get()) != 0 || std::ferror(film.get()))
-    throw std::runtime_error("cannot copy '" + from + "': " + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot copy '{}': {}", from, g_strerror(errno)));
 }

@@ -9,6 +9,7 @@
 #include "film/program.h"
 #include "tracks/cue_builder.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <charconv>
@@ -39,7 +40,7 @@ read_text(const fs::path &path)
 {
   auto text = files::read(path.string(), kMostPlaylist);
   if (!text)
-    throw std::runtime_error("cannot read '" + path.string() + "': " + text.error().reason);
+    throw std::runtime_error(in_text("cannot read '{}': {}", path.string(), text.error().reason));
   return *std::move(text);
 }
 
@@ -70,8 +71,8 @@ start_of(const fs::path &playlist)
           start = std::min(start, time);
       });
   if (!(start >= 0 && start < kUnknown))
-    throw std::runtime_error("'" + playlist.string() + "': expected segments with a film"
-                             + (end.complaint.empty() ? "" : ", got " + end.complaint));
+    throw std::runtime_error(in_text("'{}': expected segments with a film{}", playlist.string(),
+                                     (end.complaint.empty() ? "" : ", got " + end.complaint)));
   constexpr double kClock = 90'000;
   return std::llround(start * kClock);
 }
@@ -136,8 +137,8 @@ expect_own(const fs::path &folder, const fs::path &ahap)
   for (const fs::path &path : { ahap, folder })
     if (fs::exists(path, error) && !fs::is_empty(path, error))
       throw std::runtime_error(
-          "'" + path.string()
-          + "' was not written by this command; expected no such file, or --force");
+          in_text("'{}' was not written by this command; expected no such file, or --force",
+                  path.string()));
 }
 
 } // namespace
@@ -150,20 +151,20 @@ stream_hls(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "url", 0, 0, G_OPTION_ARG_STRING, &url.value,
-      "Address of PLAYLIST's folder on the server, for Apple's players", "URL" },
-    { "live", 0, 0, G_OPTION_ARG_NONE, &live, "Continue until the stream ends", nullptr },
+      N_("Address of PLAYLIST's folder on the server, for Apple's players"), "URL" },
+    { "live", 0, 0, G_OPTION_ARG_NONE, &live, N_("Continue until the stream ends"), nullptr },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "PLAYLIST TRACK",
         .summary
-        = "Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile' "
-          "beside\nthe multivariant PLAYLIST and, if the stream has ended, tactile.ahap, which "
-          "Apple's\nplayers play. An older track is replaced. The command needs ffprobe.",
+        = N_("Adds a track to a film that is streamed by HLS: WebVTT in the folder 'tactile' "
+             "beside\nthe multivariant PLAYLIST and, if the stream has ended, tactile.ahap, which "
+             "Apple's\nplayers play. An older track is replaced. The command needs ffprobe."),
         .least = 2,
         .most = 2,
-        .force_help = "Also replace files and haptics that this command did not write" });
+        .force_help = N_("Also replace files and haptics that this command did not write") });
   const fs::path playlist = names[0];
   const fs::path folder = playlist.parent_path() / kFolder;
   std::string address = valid(hls::checked_address(url.text()), "--url");

@@ -5,6 +5,7 @@
 
 #include "tracks/formats/track_file.h"
 #include "tracks/track_edit.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -38,14 +39,14 @@ print_info(const std::string &path, const Track &track)
     }
   }
   const double length = std::chrono::duration<double>(track.end()).count();
-  std::printf("Track     %s\n", path.c_str());
-  std::printf("Grid      %d x %d", track.rows(), track.columns());
+  std::printf(_("Track     %s\n"), path.c_str());
+  std::printf(_("Grid      %d x %d"), track.rows(), track.columns());
   if (track.rate() > 0)
-    std::printf(", authored at %g Hz", track.rate());
-  std::printf("\nLength    %.3f s, %zu changes\n", length, entries.size() - 1);
-  std::printf("Felt      %.3f s (%.0f %%), up to %.0f %% of full scale\n", any,
+    std::printf(_(", authored at %g Hz"), track.rate());
+  std::printf(_("\nLength    %.3f s, %zu changes\n"), length, entries.size() - 1);
+  std::printf(_("Felt      %.3f s (%.0f %%), up to %.0f %% of full scale\n"), any,
               length > 0 ? 100 * any / length : 0, 100 * static_cast<double>(strongest));
-  std::printf("Cells     events, share of the time\n");
+  std::printf(_("Cells     events, share of the time\n"));
   for (int row = 0; row < track.rows(); row++) {
     std::printf("         ");
     for (int column = 0; column < track.columns(); column++) {
@@ -67,7 +68,7 @@ info(int argc, char **argv)
   const std::vector<std::string> tracks
       = parse_options(argc, argv, entries, common,
                       { .arguments = "TRACK...",
-                        .summary = "Prints grid, length and events of tracks.",
+                        .summary = N_("Prints grid, length and events of tracks."),
                         .least = 1,
                         .most = kAny });
   for (const std::string &path : tracks) {
@@ -86,21 +87,21 @@ validate(int argc, char **argv)
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "TRACK...",
-        .summary = "Checks that files are tracks, and prints the first error of each file that is "
-                   "not.\nThe exit status is 0 if all are valid, else 1.",
+        .summary = N_("Checks that files are tracks, and prints the first error of each file that "
+                      "is not.\nThe exit status is 0 if all are valid, else 1."),
         .least = 1,
         .most = kAny,
-        .quiet_help = "Print only invalid tracks" });
+        .quiet_help = N_("Print only invalid tracks") });
   int status = 0;
   for (const std::string &path : tracks) {
     const tl::expected<Track, tactile::FormatError> track = tactile::read_track_file(path);
     if (track && common.quiet)
       continue;
     if (track) {
-      std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track->rows(), track->columns(),
+      std::printf(_("%s: valid, %d x %d, %s s\n"), path.c_str(), track->rows(), track->columns(),
                   seconds(track->end()).c_str());
     } else {
-      std::printf("invalid: %s\n", track.error().text().c_str());
+      std::printf(_("invalid: %s\n"), track.error().text().c_str());
       status = 1;
     }
   }
@@ -113,20 +114,19 @@ diff(int argc, char **argv)
   CommonOptions common;
   gdouble tolerance = 0;
   const GOptionEntry entries[] = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
-                                     "Ignore differences of levels up to PERCENT and, unless this "
-                                     "is 0, of frequencies up to 0.5 Hz (default: 0)",
+                                     N_("Ignore differences of levels up to PERCENT and, unless "
+                                        "this is 0, of frequencies up to 0.5 Hz (default: 0)"),
                                      "PERCENT" },
                                    {} };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "BEFORE AFTER",
-        .summary
-        = "Prints where two tracks differ: a line for each interval, with the levels of cells "
-          "in percent.\nThe exit status is 0 if they are the same, 1 if they differ, 2 if "
-          "they cannot be compared.",
+        .summary = N_("Prints where two tracks differ: a line for each interval, with the levels "
+                      "of cells in percent.\nThe exit status is 0 if they are the same, 1 if they "
+                      "differ, 2 if they cannot be compared."),
         .least = 2,
         .most = 2,
-        .quiet_help = "Print nothing; only the exit status shows whether they differ" });
+        .quiet_help = N_("Print nothing; only the exit status shows whether they differ") });
   std::vector<tactile::Difference> differences;
   try {
     differences = or_throw(tactile::diff(or_throw(tactile::read_track_file(tracks[0])),
@@ -155,6 +155,6 @@ diff(int argc, char **argv)
     changed += difference.end - difference.begin;
   }
   if (!differences.empty())
-    std::printf("%zu differences, %s s in all\n", differences.size(), seconds(changed).c_str());
+    std::printf(_("%zu differences, %s s in all\n"), differences.size(), seconds(changed).c_str());
   return differences.empty() ? 0 : 1;
 }

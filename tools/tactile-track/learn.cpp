@@ -11,6 +11,7 @@
 #include "library/library.h"
 #include "listen/entry.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <gst/app/gstappsink.h>
 #include <gst/gst.h>
@@ -54,7 +55,8 @@ public:
       if (sample != nullptr)
         add(sample);
       else if (!gst_app_sink_is_eos(sink))
-        throw std::runtime_error("'" + film_.title + "': its sound cannot be decoded: " + error());
+        throw std::runtime_error(
+            in_text("'{}': its sound cannot be decoded: {}", film_.title, error()));
       if (const std::int64_t minute = count_ / kRate / 60; !quiet && minute != shown_) {
         shown_ = minute;
         progress.show(film_.title + ": " + std::to_string(minute) + " min");
@@ -62,10 +64,11 @@ public:
     }
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     if (g_autoptr(GstMessage) failed = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR))
-      throw std::runtime_error("'" + film_.title
-                               + "': its sound cannot be decoded: " + text(failed));
+      throw std::runtime_error(
+          in_text("'{}': its sound cannot be decoded: {}", film_.title, text(failed)));
     if (count_ == 0)
-      throw std::runtime_error("'" + film_.title + "' has no sound; expected a film with sound");
+      throw std::runtime_error(
+          in_text("'{}' has no sound; expected a film with sound", film_.title));
     return maker_.finish();
   }
 
@@ -110,7 +113,7 @@ private:
   void count(std::int64_t samples)
   {
     if (samples > kMostSamples - count_)
-      throw std::runtime_error("'" + film_.title + "': expected a film of at most 10 hours");
+      throw std::runtime_error(in_text("'{}': expected a film of at most 10 hours", film_.title));
     count_ += samples;
   }
 
@@ -146,15 +149,16 @@ learn(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The entry to write or replace (default: beside TRACK, with the ending .heard)", "ENTRY" },
+      N_("The entry to write or replace (default: beside TRACK, with the ending .heard)"),
+      "ENTRY" },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM TRACK",
-        .summary = "Writes an entry with fingerprints of a film's sound and with its track, by "
-                   "which\nvisuotactile-follow --listen recognizes the film on any screen. The "
-                   "sound cannot be\nrestored from an entry.",
+        .summary = N_("Writes an entry with fingerprints of a film's sound and with its track, by "
+                      "which\nvisuotactile-follow --listen recognizes the film on any screen. The "
+                      "sound cannot be\nrestored from an entry."),
         .least = 2,
         .most = 2 });
   gst_init(nullptr, nullptr);
@@ -162,7 +166,7 @@ learn(int argc, char **argv)
   const auto track = or_throw(tactile::read_track_file(track_path));
   auto bytes = files::read(track_path, kMostTrack);
   if (!bytes)
-    throw std::runtime_error("cannot read '" + track_path + "': " + bytes.error().reason);
+    throw std::runtime_error(in_text("cannot read '{}': {}", track_path, bytes.error().reason));
   const fs::path folder = fs::path(track_path).parent_path();
   const std::string name = fs::path(track_path).filename().string();
   const std::string stem = library::track_stem(name); // by which tactile-track index finds it
@@ -170,7 +174,7 @@ learn(int argc, char **argv)
       (folder / ((stem.empty() ? fs::path(name).stem().string() : stem) + listen::kEntryEnding))
           .c_str());
   if (!path.ends_with(listen::kEntryEnding))
-    throw UsageError("'" + path + "': expected the ending " + listen::kEntryEnding);
+    throw UsageError(in_text("'{}': expected the ending {}", path, listen::kEntryEnding));
   refuse_same_file(names[0], path);
   const Film film = discover_film(names[0]);
   Progress progress;
@@ -187,7 +191,7 @@ learn(int argc, char **argv)
   write_bytes(*written, path);
   progress.clear();
   if (!common.quiet)
-    std::printf("%s: %zu hashes, %zu bytes\n", path.c_str(), entry.sound.hashes.size(),
+    std::printf(_("%s: %zu hashes, %zu bytes\n"), path.c_str(), entry.sound.hashes.size(),
                 written->size());
   return 0;
 }

@@ -9,6 +9,7 @@
 #include "library/library.h"
 #include "library/track_index.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <gio/gio.h>
 #include <gst/gst.h>
@@ -62,8 +63,8 @@ films_in(const fs::path &folder)
       films.emplace(entry->path().stem().string(), entry->path());
   }
   if (error)
-    throw std::runtime_error("cannot read the folder '" + folder.string()
-                             + "': " + error.message());
+    throw std::runtime_error(
+        in_text("cannot read the folder '{}': {}", folder.string(), error.message()));
   return films;
 }
 
@@ -77,18 +78,18 @@ find(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &tracks.value,
-      "Folder of tracks, or its address on a web server (http://HOST/FOLDER)", "DIR|URL" },
+      N_("Folder of tracks, or its address on a web server (http://HOST/FOLDER)"), "DIR|URL" },
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Write the track to this file, or replace it; its name selects the format", "TRACK" },
+      N_("Write the track to this file, or replace it; its name selects the format"), "TRACK" },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM",
-        .summary = "Finds the track of a film beside the film or in a library: by the film's name, "
-                   "by its\ncontent, or by its duration and words of its name. Prints the track's "
-                   "place; the exit\nstatus is 1 if there is none. The only requests to a server "
-                   "are for its index and the\ntrack.",
+        .summary = N_("Finds the track of a film beside the film or in a library: by the film's "
+                      "name, by its\ncontent, or by its duration and words of its name. Prints the "
+                      "track's place; the exit\nstatus is 1 if there is none. The only requests to "
+                      "a server are for its index and the\ntrack."),
         .least = 1,
         .most = 1 });
   gst_init(nullptr, nullptr);
@@ -101,12 +102,12 @@ find(int argc, char **argv)
   if (!found)
     found = library.stored(film, duration_of(film), {}, complaints);
   if (found && !found->fault.empty())
-    throw std::runtime_error("the track is faulty: " + found->fault);
+    throw std::runtime_error(in_text("the track is faulty: {}", found->fault));
   if (!found) {
     const std::string why = complaints.library.empty() ? complaints.alike : complaints.library;
-    throw std::runtime_error("no track for '" + names[0]
-                             + "': " + (why.empty() ? "expected " + library.expected(film) : why)
-                             + "; make one with tactile-track author");
+    throw std::runtime_error(in_text("no track for '{}': {}; make one with tactile-track author",
+                                     names[0],
+                                     (why.empty() ? "expected " + library.expected(film) : why)));
   }
   if (output.is_set())
     write_track_file(found->track, output.text());
@@ -121,7 +122,7 @@ make_index(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "films", 0, 0, G_OPTION_ARG_FILENAME, &films.value,
-      "Folder of the tracks' films, which are listed by name and content (default: FOLDER)",
+      N_("Folder of the tracks' films, which are listed by name and content (default: FOLDER)"),
       "DIR" },
     {},
   };
@@ -129,8 +130,8 @@ make_index(int argc, char **argv)
       argc, argv, entries, common,
       { .arguments = "FOLDER",
         .summary
-        = "Writes FOLDER/tracks.json, in which 'tactile-track find' and visuotactile-follow "
-          "search,\nalso on a web server. The films are not needed later.",
+        = N_("Writes FOLDER/tracks.json, in which 'tactile-track find' and visuotactile-follow "
+             "search,\nalso on a web server. The films are not needed later."),
         .least = 1,
         .most = 1 });
   const fs::path folder = names[0];
@@ -145,7 +146,7 @@ make_index(int argc, char **argv)
       continue;
     const auto track = tactile::read_track_file(entry->path().string());
     if (!track) {
-      print_error("tactile-track index", "not listed: " + track.error().text());
+      print_error("tactile-track index", in_text("not listed: {}", track.error().text()));
       continue;
     }
     library::IndexEntry listed{ .file = name, .duration = track->end() };
@@ -161,14 +162,14 @@ make_index(int argc, char **argv)
     index.push_back(std::move(listed));
   }
   if (error)
-    throw std::runtime_error("cannot read the folder '" + folder.string()
-                             + "': " + error.message());
+    throw std::runtime_error(
+        in_text("cannot read the folder '{}': {}", folder.string(), error.message()));
   std::ranges::sort(index, {}, &library::IndexEntry::file);
   const std::string text = library::write_index(index);
   if (const auto read = library::read_index(text); !read)
     throw std::runtime_error("'" + folder.string() + "': " + read.error());
   write_bytes(text, (folder / library::kIndexName).string());
   if (!common.quiet)
-    std::printf("%zu tracks\n", index.size());
+    std::printf(_("%zu tracks\n"), index.size());
   return 0;
 }

@@ -7,6 +7,7 @@
 #include "film/output.h"
 #include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <array>
 #include <charconv>
@@ -19,26 +20,26 @@
 namespace {
 
 constexpr std::array kCommands = {
-  Command{ "author", author, "make tracks of films" },
-  Command{ "info", info, "print grid, length and events of tracks" },
-  Command{ "convert", convert, "convert a track to another format" },
+  Command{ "author", author, N_("make tracks of films") },
+  Command{ "info", info, N_("print grid, length and events of tracks") },
+  Command{ "convert", convert, N_("convert a track to another format") },
   Command{ "edit", edit,
-           "prune, merge, limit, shift, scale, clip, mask, quantize, resample, overlay" },
-  Command{ "diff", diff, "print where two tracks differ" },
-  Command{ "plot", plot, "draw a track over time as PNG or SVG" },
-  Command{ "preview", preview, "play or record a film with a track" },
-  Command{ "mux", mux, "copy a film's file and add a track" },
-  Command{ "extract", extract, "copy the track of a film's file to its own file" },
-  Command{ "hls", stream_hls, "add a track to a film that is streamed by HLS" },
+           N_("prune, merge, limit, shift, scale, clip, mask, quantize, resample, overlay") },
+  Command{ "diff", diff, N_("print where two tracks differ") },
+  Command{ "plot", plot, N_("draw a track over time as PNG or SVG") },
+  Command{ "preview", preview, N_("play or record a film with a track") },
+  Command{ "mux", mux, N_("copy a film's file and add a track") },
+  Command{ "extract", extract, N_("copy the track of a film's file to its own file") },
+  Command{ "hls", stream_hls, N_("add a track to a film that is streamed by HLS") },
 #ifdef HAVE_LIBRARY
-  Command{ "find", find, "find the track of a film in a library" },
-  Command{ "index", make_index, "list the tracks of a folder for find" },
-  Command{ "learn", learn, "make the entry by which a film is recognized by its sound" },
+  Command{ "find", find, N_("find the track of a film in a library") },
+  Command{ "index", make_index, N_("list the tracks of a folder for find") },
+  Command{ "learn", learn, N_("make the entry by which a film is recognized by its sound") },
 #endif
 #ifdef DESK_PROGRAM
-  Command{ "desk", desk, "edit a track beside its film, in a browser" },
+  Command{ "desk", desk, N_("edit a track beside its film, in a browser") },
 #endif
-  Command{ "validate", validate, "check that files are tracks" },
+  Command{ "validate", validate, N_("check that files are tracks") },
 };
 
 /// Now, or what SOURCE_DATE_EPOCH says, so that the same track makes the same file.
@@ -82,8 +83,8 @@ parse_time(const std::string &text, const char *option)
     begin = stop + 1;
   }
   if (!valid || !(value <= 360'000))
-    throw UsageError(std::string(option)
-                     + ": expected seconds, or H:MM:SS.mmm, up to 100 hours, got '" + text + "'");
+    throw UsageError(
+        in_text("{}: expected seconds, or H:MM:SS.mmm, up to 100 hours, got '{}'", option, text));
   const tactile::Time time(std::llround(value * 1e9));
   return negative ? -time : time;
 }
@@ -100,7 +101,7 @@ refuse_same_file(const std::string &film, const std::string &output)
 {
   std::error_code none;
   if (std::filesystem::equivalent(film, output, none))
-    throw UsageError("'" + output + "' is the film itself; give another name");
+    throw UsageError(in_text("'{}' is the film itself; give another name", output));
 }
 
 std::string
@@ -112,7 +113,7 @@ film_path(const std::string &name)
   g_autofree gchar *path = g_filename_from_uri(name.c_str(), nullptr, nullptr);
   if (path != nullptr && std::filesystem::is_regular_file(path, error))
     return path;
-  throw std::runtime_error("there is no film '" + name + "'; give the path of a film's file");
+  throw std::runtime_error(in_text("there is no film '{}'; give the path of a film's file", name));
 }
 
 void
@@ -133,7 +134,7 @@ write_bytes(const std::string &bytes, const std::string &path)
   file << bytes;
   file.close();
   if (!file)
-    throw std::runtime_error("cannot write '" + path + "': " + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot write '{}': {}", path, g_strerror(errno)));
   output.commit();
 }
 

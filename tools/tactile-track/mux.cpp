@@ -10,6 +10,7 @@
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt_timing.h"
 #include "tracks/text_cue.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +38,7 @@ container_of(const std::string &name)
     return Container::mp4;
   if (name.ends_with(".ts"))
     return Container::transport_stream;
-  throw UsageError("expected a name that ends in .mkv, .mp4 or .ts, got '" + name + "'");
+  throw UsageError(in_text("expected a name that ends in .mkv, .mp4 or .ts, got '{}'", name));
 }
 
 /// Subtitles in SubRip: WebVTT would become a kind of subtitles that few players know.
@@ -101,7 +102,7 @@ public:
         attempt([&](double at, const std::string &to) { with_times_first(at, to); }, 0);
     }
     if (!is_a_copy())
-      throw std::runtime_error("no copy of '" + what_.path + "' can be made: " + why_not_);
+      throw std::runtime_error(in_text("no copy of '{}' can be made: {}", what_.path, why_not_));
     signals_stop_here();
     output_.commit();
     return best_->lost;
@@ -258,24 +259,25 @@ mux(int argc, char **argv)
   TextOption output;
   gboolean first = FALSE;
   CommonOptions common;
-  const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-                                     "The film to write or replace: .mkv, .mp4 or .ts", "FILM" },
-                                   { "first", 0, 0, G_OPTION_ARG_NONE, &first,
-                                     "Put the track before the film's own subtitles, for players "
-                                     "that use the first one (default: after them)",
-                                     nullptr },
-                                   {} };
+  const GOptionEntry entries[]
+      = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+            N_("The film to write or replace: .mkv, .mp4 or .ts"), "FILM" },
+          { "first", 0, 0, G_OPTION_ARG_NONE, &first,
+            N_("Put the track before the film's own subtitles, for players that use the first one "
+               "(default: after them)"),
+            nullptr },
+          {} };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM TRACK -o OUT",
-        .summary = "Copies a film's file and adds a track: as text cues (subtitles named "
-                   "'Tactile') to\n.mkv and .mp4, as KLV to .ts. Players do not select the track "
-                   "by default. An older\ntrack is replaced. The command prints the streams that "
-                   "OUT cannot hold; its exit\nstatus is then 3.",
+        .summary = N_("Copies a film's file and adds a track: as text cues (subtitles named "
+                      "'Tactile') to\n.mkv and .mp4, as KLV to .ts. Players do not select the "
+                      "track by default. An older\ntrack is replaced. The command prints the "
+                      "streams that OUT cannot hold; its exit\nstatus is then 3."),
         .least = 2,
         .most = 2 });
   if (!output.is_set())
-    throw UsageError("expected -o OUT");
+    throw UsageError(_("expected -o OUT"));
   const std::string out = output.text();
   const Container container = container_of(out);
   const std::string path = film_path(names[0]);
@@ -285,7 +287,7 @@ mux(int argc, char **argv)
   const SignalsStop signals_stop;
   const FilmContents film = read_contents(path, [](double) {});
   if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
-    throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
+    throw std::runtime_error(in_text("'{}' has no moving picture; expected a film", path));
   FilmAndTrack what{
     .path = path, .film = film, .taken_out = older_tracks(path, film), .first = first != FALSE
   };
@@ -297,13 +299,14 @@ mux(int argc, char **argv)
                              ? track
                              : tactile::at_resolution(track, std::chrono::milliseconds(1), 100));
   if (what.cues.empty())
-    throw std::runtime_error("'" + names[1] + "' has no cues; expected a track with one at least");
+    throw std::runtime_error(
+        in_text("'{}' has no cues; expected a track with one at least", names[1]));
   const Output subtitles(folder, name + ".srt");
   what.subtitles = subtitles.part_path().string();
   std::ofstream(what.subtitles, std::ios::binary) << as_subrip(what.cues);
   const std::vector<std::string> lost
       = Muxing(std::move(what), container, folder, name, common.quiet != FALSE)();
   for (const std::string &one : lost)
-    std::fprintf(stderr, "tactile-track: not in '%s': %s\n", out.c_str(), one.c_str());
+    std::fprintf(stderr, _("tactile-track: not in '%s': %s\n"), out.c_str(), one.c_str());
   return lost.empty() ? 0 : kIncomplete;
 }

@@ -3,6 +3,7 @@
 
 #include "film/progress.h"
 #include "tracks/cue_builder.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsrc.h>
@@ -78,7 +79,7 @@ private:
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
       gst_message_parse_warning(message, &error, nullptr);
       progress_.clear();
-      std::fprintf(stderr, "tactile-track: warning: %s\n", error->message);
+      std::fprintf(stderr, _("tactile-track: warning: %s\n"), error->message);
       return G_SOURCE_CONTINUE;
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY) {
       gst_bin_recalculate_latency(GST_BIN(pipeline_));

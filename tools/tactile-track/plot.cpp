@@ -7,6 +7,7 @@
 #include "film/picture.h"
 #include "film/pipeline.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <cairo.h>
 #include <gst/app/gstappsink.h>
@@ -193,21 +194,21 @@ plot(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The picture to write or replace: .png or .svg", "FILE" },
+      N_("The picture to write or replace: .png or .svg"), "FILE" },
     { "film", 0, 0, G_OPTION_ARG_FILENAME, &film_name.value,
-      "Draw frames of this film above the track", "FILM" },
+      N_("Draw frames of this film above the track"), "FILM" },
     {},
   };
   const std::vector<std::string> names
       = parse_options(argc, argv, entries, common,
                       { .arguments = "TRACK -o PICTURE",
-                        .summary = "Draws a track over time: each cell has a lane, which is darker "
-                                   "where the level is higher.",
+                        .summary = N_("Draws a track over time: each cell has a lane, which is "
+                                      "darker where the level is higher."),
                         .least = 1,
                         .most = 1 });
   const std::string out = output.text();
   if (!is_picture_name(out))
-    throw UsageError("expected -o PICTURE that ends in .png or .svg");
+    throw UsageError(_("expected -o PICTURE that ends in .png or .svg"));
   const tactile::Track track = or_throw(tactile::read_track_file(names[0]));
 
   std::vector<Surface> frames;

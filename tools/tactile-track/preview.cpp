@@ -7,6 +7,7 @@
 #include "film/film.h"
 #include "film/output.h"
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <vector>
 
@@ -39,16 +40,19 @@ preview(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Write or replace a film (.mkv) with the track drawn over the picture, instead of playing it",
+      N_("Write or replace a film (.mkv) with the track drawn over the picture, instead of playing "
+         "it"),
       "FILM" },
     { "chair", 0, 0, G_OPTION_ARG_STRING, &chair.value,
-      "Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)", "OPTIONS" },
+      N_("Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)"),
+      "OPTIONS" },
     {},
   };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, common,
       { .arguments = "FILM TRACK",
-        .summary = "Plays a film with a track: on the chair and, with a display, on the screen.",
+        .summary
+        = N_("Plays a film with a track: on the chair and, with a display, on the screen."),
         .least = 2,
         .most = 2 });
   gst_init(nullptr, nullptr);

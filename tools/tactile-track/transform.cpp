@@ -9,6 +9,7 @@
 #include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
 #include "tracks/track_edit.h"
+#include "translation.h"
 
 #include <cmath>
 #include <cstdio>
@@ -46,7 +47,7 @@ read_file(const std::string &path, const std::string &clip = "")
 {
   auto [text, format] = or_throw(tactile::read_track_text(path));
   if (!clip.empty() && format != tactile::TrackFormat::hasp)
-    throw UsageError("--part is for a .hasp project, '" + path + "' is none");
+    throw UsageError(in_text("--part is for a .hasp project, '{}' is none", path));
   std::vector<std::string> ignored;
   Track track
       = or_throw(tactile::read_track(text, format, &ignored, clip).map_error([&](auto error) {
@@ -132,7 +133,7 @@ parse_number(const std::string &text, const char *option, double least, double m
 {
   const auto value = visuotactile::read_number<double>(text);
   if (!value)
-    throw UsageError(std::string(option) + " is a number, got '" + text + "'");
+    throw UsageError(in_text("{} is a number, got '{}'", option, text));
   expect_range(option, *value, least, most);
   return *value;
 }
@@ -143,7 +144,7 @@ parse_pair(const std::string &text, char separator, const char *option, const ch
 {
   const std::size_t at = text.find(separator, 1);
   if (at == std::string::npos)
-    throw UsageError(std::string(option) + ": expected " + form + ", got '" + text + "'");
+    throw UsageError(in_text("{}: expected {}, got '{}'", option, form, text));
   return { text.substr(0, at), text.substr(at + 1) };
 }
 
@@ -160,7 +161,7 @@ parse_mask(const std::string &text)
     const std::string word = rest.substr(0, comma);
     if (std::sscanf(word.c_str(), "r%2dc%2d%n", &row, &column, &used) != 2
         || static_cast<std::size_t>(used) != word.size())
-      throw UsageError("--mask: expected cells such as r0c2,r1c1, got '" + text + "'");
+      throw UsageError(in_text("--mask: expected cells such as r0c2,r1c1, got '{}'", text));
     places.emplace_back(row, column);
     rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
   }
@@ -168,8 +169,8 @@ parse_mask(const std::string &text)
     std::vector<int> cells;
     for (const auto &[row, column] : places) {
       if (row >= track.rows() || column >= track.columns())
-        throw UsageError("--mask: the track has no cell r" + std::to_string(row) + "c"
-                         + std::to_string(column));
+        throw UsageError(in_text("--mask: the track has no cell r{}c{}", std::to_string(row),
+                                 std::to_string(column)));
       cells.push_back(row * track.columns() + column);
     }
     return mask(track, cells);
@@ -222,7 +223,7 @@ parse_operation(const std::string &name, const std::string &value)
     const Time begin = parse_time(from, option);
     const Time end = parse_time(to, option);
     if (end <= begin)
-      throw UsageError(name + ": expected an end after the beginning, got '" + value + "'");
+      throw UsageError(in_text("{}: expected an end after the beginning, got '{}'", name, value));
     if (name == "--clip")
       return { [=](const Track &track) { return clip(track, begin, end); }, -begin };
     return [=](const Track &track) {
@@ -232,7 +233,7 @@ parse_operation(const std::string &name, const std::string &value)
   if (name == "--frequency") {
     const auto frequency = static_cast<float>(parse_number(value, option, 0, 1000));
     if (frequency > 0 && frequency < 1)
-      throw UsageError("--frequency: expected 1 to 1000 Hz, or 0, got '" + value + "'");
+      throw UsageError(in_text("--frequency: expected 1 to 1000 Hz, or 0, got '{}'", value));
     return [=](const Track &track) {
       return tune(track, frequency);
     };
@@ -249,7 +250,7 @@ parse_operation(const std::string &name, const std::string &value)
     const tl::expected<tactile::GridHeader, tactile::FormatError> header
         = tactile::read_grid("grid=" + value, 1);
     if (!header || !header->grid)
-      throw UsageError(name + ": expected ROWSxCOLUMNS, 1 to 64 each, got '" + value + "'");
+      throw UsageError(in_text("{}: expected ROWSxCOLUMNS, 1 to 64 each, got '{}'", name, value));
     return [grid = *header->grid](const Track &track) {
       return resample(track, grid.rows, grid.columns);
     };
@@ -282,23 +283,23 @@ convert(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[]
       = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-            "The track to write or replace; its name selects the format", "TRACK" },
+            N_("The track to write or replace; its name selects the format"), "TRACK" },
           { "part", 'p', 0, G_OPTION_ARG_STRING, &part.value,
-            "The clip of a .hasp project (default: the clip that was open "
-            "in Haptics Studio)",
+            N_("The clip of a .hasp project (default: the clip that was open in Haptics Studio)"),
             "NAME" },
           {} };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "IN -o OUT",
-        .summary = "Converts a track to the format of OUT's name: .vtt (WebVTT), .csv, .hjif "
-                   "(MPEG\nhaptics), .sem.xml (MPEG-V), .haptic (Meta Haptics Studio), .ahap "
-                   "(Apple) or\n.funscript. IN may also be .hasp (a project of Haptics Studio) or "
-                   ".tact (bHaptics).\nThe command prints the parts of IN that OUT cannot hold.",
+        .summary
+        = N_("Converts a track to the format of OUT's name: .vtt (WebVTT), .csv, .hjif "
+             "(MPEG\nhaptics), .sem.xml (MPEG-V), .haptic (Meta Haptics Studio), .ahap (Apple) "
+             "or\n.funscript. IN may also be .hasp (a project of Haptics Studio) or .tact "
+             "(bHaptics).\nThe command prints the parts of IN that OUT cannot hold."),
         .least = 1,
         .most = 1 });
   if (!output.is_set())
-    throw UsageError("expected -o OUT");
+    throw UsageError(_("expected -o OUT"));
   const TrackFile file = read_file(tracks[0], part.text());
   write_file(file, file.track, Time(0), output.text());
   for (const std::string &part : file.ignored)
@@ -318,51 +319,52 @@ edit(int argc, char **argv)
   const auto callback = reinterpret_cast<gpointer>(on_operation);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The track to write or replace; its name selects the format", "TRACK" },
-    { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, "Overwrite IN", nullptr },
+      N_("The track to write or replace; its name selects the format"), "TRACK" },
+    { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, N_("Overwrite IN"), nullptr },
     { "prune-shorter", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell that are shorter than this", "SECONDS" },
+      N_("Silence events of a cell that are shorter than this"), "SECONDS" },
     { "prune-weaker", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell whose peak is weaker than this", "PERCENT" },
+      N_("Silence events of a cell whose peak is weaker than this"), "PERCENT" },
     { "merge", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Merge a map with the one before if no level differs by more than this", "PERCENT" },
+      N_("Merge a map with the one before if no level differs by more than this"), "PERCENT" },
     { "limit", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Limit events of a cell to LONGEST seconds, with at least REST seconds of silence between "
-      "them",
+      N_("Limit events of a cell to LONGEST seconds, with at least REST seconds of silence between "
+         "them"),
       "LONGEST,REST" },
-    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Delay all events; negative: advance them",
-      "SECONDS" },
-    { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Multiply levels by a factor", "FACTOR" },
+    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      N_("Delay all events; negative: advance them"), "SECONDS" },
+    { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, N_("Multiply levels by a factor"), "FACTOR" },
     { "frequency", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Set the frequency of all events, for shakers and other wide-band actuators; 0: none", "HZ" },
-    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep only this part, which then begins at 0",
-      "FROM-TO" },
-    { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence this part", "FROM-TO" },
-    { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence these cells", "r0c2,r1c1,..." },
-    { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Round levels to N steps", "N" },
-    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Convert the track to another grid",
+      N_("Set the frequency of all events, for shakers and other wide-band actuators; 0: none"),
+      "HZ" },
+    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      N_("Keep only this part, which then begins at 0"), "FROM-TO" },
+    { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, N_("Silence this part"), "FROM-TO" },
+    { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, N_("Silence these cells"), "r0c2,r1c1,..." },
+    { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, N_("Round levels to N steps"), "N" },
+    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, N_("Convert the track to another grid"),
       "ROWSxCOLUMNS" },
     { "overlay-max", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
-      "Use the stronger level of both tracks in each cell", "TRACK" },
+      N_("Use the stronger level of both tracks in each cell"), "TRACK" },
     { "overlay-replace", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
-      "Use TRACK instead wherever TRACK is not silent", "TRACK" },
+      N_("Use TRACK instead wherever TRACK is not silent"), "TRACK" },
     {},
   };
   const std::vector<std::string> tracks = parse_options(
       argc, argv, entries, common,
       { .arguments = "IN -o OUT OPERATION...",
-        .summary = "Applies operations to a track, in the order of the command line. IN is "
-                   "overwritten\nonly with --in-place. Times are seconds or H:MM:SS.mmm.",
+        .summary = N_("Applies operations to a track, in the order of the command line. IN is "
+                      "overwritten\nonly with --in-place. Times are seconds or H:MM:SS.mmm."),
         .least = 1,
         .most = 1,
         .callback_data = &operations });
   const std::string &in = tracks[0];
   if (in_place == output.is_set())
-    throw UsageError("expected either -o OUT or --in-place");
+    throw UsageError(_("expected either -o OUT or --in-place"));
   const std::string out = in_place ? in : output.text();
   std::error_code ignored;
   if (!in_place && std::filesystem::equivalent(in, out, ignored))
-    throw UsageError("'" + out + "' is the track itself; use --in-place to overwrite it");
+    throw UsageError(in_text("'{}' is the track itself; use --in-place to overwrite it", out));
 
   const TrackFile file = read_file(in);
   Track track = file.track;

@@ -7,6 +7,7 @@
 #include "calibration/calibration.h"
 #include "calibration/tactor_calibration.h"
 #include "film/or_throw.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -27,18 +28,18 @@ void
 report(const tactor::Calibration &calibration, const std::vector<tactor::StepResponse> &responses)
 {
   for (const auto &[index, tactor] : calibration.tactors) {
-    std::printf("tactor %d: %d steps used, %d refused\n", index, tactor.steps_used,
+    std::printf(_("tactor %d: %d steps used, %d refused\n"), index, tactor.steps_used,
                 tactor.steps_refused);
     if (tactor.latency)
-      std::printf("  first motion after %.1f ms\n",
+      std::printf(_("  first motion after %.1f ms\n"),
                   static_cast<double>(tactor.latency->count()) / 1e6);
-    std::printf("  starts at %.2f V, holds to %.2f V, falls in %.0f ms\n", tactor.start_volts,
+    std::printf(_("  starts at %.2f V, holds to %.2f V, falls in %.0f ms\n"), tactor.start_volts,
                 tactor.hold_volts, static_cast<double>(tactor.fall_time.count()) / 1e6);
     if (tactor.quadratic) {
       const auto &c = tactor.quadratic->coefficients;
       std::printf(
-          "  rise time = %.1f %+.1f d %+.1f s %+.2f d2 %+.2f d s %+.2f s2 ms, R2 %.4f, residual "
-          "%.1f ms; used: %s\n",
+          _("  rise time = %.1f %+.1f d %+.1f s %+.2f d2 %+.2f d s %+.2f s2 ms, R2 %.4f, residual "
+            "%.1f ms; used: %s\n"),
           c[0], c[1], c[2], c[3], c[4], c[5], tactor.quadratic->r_squared,
           tactor.quadratic->residual_ms, tactor.prefers_quadratic ? "this" : "the table");
     }
@@ -48,10 +49,10 @@ report(const tactor::Calibration &calibration, const std::vector<tactor::StepRes
     if (response.fault != tactor::StepFault::none && response.fault != tactor::StepFault::no_motion)
       refused[{ response.step.tactor, std::string(tactor::fault_name(response.fault)) }]++;
   for (const auto &[what, count] : refused)
-    std::printf("tactor %d: %d steps refused: %s\n", what.first, count, what.second.c_str());
+    std::printf(_("tactor %d: %d steps refused: %s\n"), what.first, count, what.second.c_str());
   const auto hum = std::ranges::max_element(responses, {}, &tactor::StepResponse::hum);
   if (hum != responses.end() && hum->hum > 0)
-    std::printf("mains hum of up to %.4g RMS was removed\n", hum->hum);
+    std::printf(_("mains hum of up to %.4g RMS was removed\n"), hum->hum);
 }
 
 } // namespace
@@ -70,32 +71,32 @@ analyze(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The calibration to write or replace (default: FOLDER/motors.calibration)", "FILE" },
+      N_("The calibration to write or replace (default: FOLDER/motors.calibration)"), "FILE" },
     { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
-      "Band to filter, such as 20:160, in Hz (default: detected)", "LOW:HIGH" },
+      N_("Band to filter, such as 20:160, in Hz (default: detected)"), "LOW:HIGH" },
     { "recording", 0, 0, G_OPTION_ARG_FILENAME, &recording.value,
-      "A single recording instead of FOLDER, with --commands and --output", "FILE" },
+      N_("A single recording instead of FOLDER, with --commands and --output"), "FILE" },
     { "commands", 0, 0, G_OPTION_ARG_FILENAME, &commands.value,
-      "Command trace of the recording, from tactorsink's property trace-location", "FILE" },
+      N_("Command trace of the recording, from tactorsink's property trace-location"), "FILE" },
     { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
-      "Time of the recording's start in that trace (default: 0)", "MS" },
+      N_("Time of the recording's start in that trace (default: 0)"), "MS" },
     { "align", 0, 0, G_OPTION_ARG_NONE, &find,
-      "Find each recording's start by correlation; leaves the latency unknown", nullptr },
-    { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Description of the motors", "TEXT" },
-    { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print every step", nullptr },
+      N_("Find each recording's start by correlation; leaves the latency unknown"), nullptr },
+    { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, N_("Description of the motors"), "TEXT" },
+    { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, N_("Print every step"), nullptr },
     {},
   };
-  const std::vector<std::string> arguments
-      = parse_options(argc, argv, entries, common,
-                      { .arguments = "[FOLDER]",
-                        .summary = "Analyzes the recordings in FOLDER, or a single one, and writes "
-                                   "a calibration.\nA recording is a sound file that GStreamer can "
-                                   "decode, or a CSV file of seconds\nand values.",
-                        .least = 0,
-                        .most = 1 });
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "[FOLDER]",
+        .summary = N_("Analyzes the recordings in FOLDER, or a single one, and writes a "
+                      "calibration.\nA recording is a sound file that GStreamer can decode, or a "
+                      "CSV file of seconds\nand values."),
+        .least = 0,
+        .most = 1 });
   const bool single = recording.is_set() && commands.is_set() && output.is_set();
   if (arguments.size() != (single ? 0 : 1))
-    throw UsageError("expected one FOLDER, or --recording, --commands and --output");
+    throw UsageError(_("expected one FOLDER, or --recording, --commands and --output"));
   gst_init(nullptr, nullptr);
 
   Session::Heard heard;
@@ -122,16 +123,16 @@ analyze(int argc, char **argv)
   tactor::Calibration calibration = tactor::calibrate(heard.responses, heard.one_clock);
   if (verbose)
     for (const tactor::StepResponse &response : heard.responses)
-      std::printf(
-          "tactor %d, %.2f to %.2f V: 90 %% after %.1f ms, first motion %.1f ms, level %.4g, %.0f "
-          "dB; %s\n",
-          response.step.tactor, response.step.start_volts, response.step.target_volts,
-          response.risen_ms, response.onset_ms, response.steady, response.snr_db,
-          std::string(tactor::fault_name(response.fault)).c_str());
+      std::printf(_("tactor %d, %.2f to %.2f V: 90 %% after %.1f ms, first motion %.1f ms, level "
+                    "%.4g, %.0f "
+                    "dB; %s\n"),
+                  response.step.tactor, response.step.start_volts, response.step.target_volts,
+                  response.risen_ms, response.onset_ms, response.steady, response.snr_db,
+                  std::string(tactor::fault_name(response.fault)).c_str());
   if (calibration.tactors.empty())
-    throw std::runtime_error(
-        "no rise could be measured in " + std::to_string(heard.responses.size())
-        + " steps; is the sensor on the motor? (--verbose prints the error of each)");
+    throw std::runtime_error(in_text("no rise could be measured in {} steps; is the sensor on the "
+                                     "motor? (--verbose prints the error of each)",
+                                     std::to_string(heard.responses.size())));
   g_autofree gchar *method
       = g_strdup_printf("%s; band %.0f to %.0f Hz; %zu steps", sensor.c_str(), heard.band.low_hz,
                         heard.band.high_hz, heard.responses.size());
@@ -142,6 +143,6 @@ analyze(int argc, char **argv)
   if (common.quiet)
     return 0;
   report(calibration, heard.responses);
-  std::printf("written: %s\n", path.c_str());
+  std::printf(_("written: %s\n"), path.c_str());
   return 0;
 }

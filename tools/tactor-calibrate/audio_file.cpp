@@ -4,6 +4,7 @@
 #include "files/regular_file.h"
 #include "film/or_throw.h"
 #include "film/pipeline.h"
+#include "translation.h"
 
 #include <gst/app/app.h>
 #include <gst/audio/audio.h>
@@ -40,7 +41,7 @@ run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = G
     gint64 at = -1;
     gst_element_query_position(pipeline.get(), GST_FORMAT_TIME, &at);
     if (!message && at == before)
-      throw std::runtime_error("'" + path + "': it cannot be read further; is it damaged?");
+      throw std::runtime_error(in_text("'{}': it cannot be read further; is it damaged?", path));
     before = at;
   }
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
@@ -144,7 +145,7 @@ AudioCollector::take()
   if (!fault_.empty())
     throw std::runtime_error(fault_);
   if (recording_.size() == 0)
-    throw std::runtime_error("no sound was recorded");
+    throw std::runtime_error(_("no sound was recorded"));
   return std::move(recording_);
 }
 

@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "options.h"
 #include "session.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -59,7 +60,7 @@ print(const char *what, std::vector<double> errors)
     return std::abs(errors[static_cast<std::size_t>(
         std::ceil(share * static_cast<double>(errors.size())) - 1)]);
   };
-  std::printf("%-10s %4zu rises: mean %+6.1f ms, |error| p50 %5.1f, p95 %5.1f, max %5.1f ms\n",
+  std::printf(_("%-10s %4zu rises: mean %+6.1f ms, |error| p50 %5.1f, p95 %5.1f, max %5.1f ms\n"),
               what, errors.size(), sum / static_cast<double>(errors.size()), at(0.5), at(0.95),
               at(1));
 }
@@ -78,28 +79,29 @@ check(int argc, char **argv)
   CommonOptions common;
   const std::vector<GOptionEntry> entries = play_options.with({
       { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
-        "Calibration of the motors (default: the paper's motors)", "FILE" },
+        N_("Calibration of the motors (default: the paper's motors)"), "FILE" },
       { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value,
-        "Tactors to check, such as 0-8 or 0,2 (default: 0)", "LIST" },
-      { "events", 'n', 0, G_OPTION_ARG_INT, &events, "Rises of each tactor (default: 10)", "N" },
+        N_("Tactors to check, such as 0-8 or 0,2 (default: 0)"), "LIST" },
+      { "events", 'n', 0, G_OPTION_ARG_INT, &events, N_("Rises of each tactor (default: 10)"),
+        "N" },
       { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &volts_max,
-        "Voltage at the motor for level 1 (default: 3)", "V" },
+        N_("Voltage at the motor for level 1 (default: 3)"), "V" },
       { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
-        "Band to filter, in Hz (default: detected)", "LOW:HIGH" },
+        N_("Band to filter, in Hz (default: detected)"), "LOW:HIGH" },
   });
-  parse_options(argc, argv, entries.data(), common,
-                { .arguments = "",
-                  .summary
-                  = "Plays a pattern and prints the timing errors of each tactor: from a frame to "
-                    "the\nmoment at which the vibration has reached 90 % of its level.",
-                  .least = 0,
-                  .most = 0,
-                  .quiet_help = "Print only errors and the line for all tactors" });
+  parse_options(
+      argc, argv, entries.data(), common,
+      { .arguments = "",
+        .summary = N_("Plays a pattern and prints the timing errors of each tactor: from a frame "
+                      "to the\nmoment at which the vibration has reached 90 % of its level."),
+        .least = 0,
+        .most = 0,
+        .quiet_help = N_("Print only errors and the line for all tactors") });
   expect_range("--events", events, 1, 1000);
   gst_init(nullptr, nullptr);
   PlayerSettings player = play_options.settings(volts_max);
   if (player.source.empty())
-    throw UsageError("--source=none has nothing to check");
+    throw UsageError(_("--source=none has nothing to check"));
   player.calibration = calibration.text();
   player.compensate = true;
   const std::vector<int> list = parse_tactors(tactors.text());
@@ -124,12 +126,12 @@ check(int argc, char **argv)
     all.push_back(response.risen_ms - lead);
   }
   if (all.empty())
-    throw std::runtime_error("no rise could be measured; is the sensor on the motor?");
+    throw std::runtime_error(_("no rise could be measured; is the sensor on the motor?"));
   for (const auto &[tactor, own_errors] : errors)
     if (!common.quiet)
       print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
   print("all", all);
   for (const auto &[fault, count] : refused)
-    std::printf("%d rises could not be measured: %s\n", count, fault.c_str());
+    std::printf(_("%d rises could not be measured: %s\n"), count, fault.c_str());
   return 0;
 }

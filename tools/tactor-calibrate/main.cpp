@@ -4,14 +4,15 @@
 #include "commands.h"
 
 #include "film/command_line.h"
+#include "translation.h"
 
 #include <array>
 
 static constexpr std::array kCommands = {
-  Command{ "measure", measure, "drive tactors through known steps and record them" },
-  Command{ "analyze", analyze, "make a calibration from recordings" },
-  Command{ "show", show, "draw envelopes, rise times and residuals" },
-  Command{ "check", check, "play a pattern and measure its timing error" },
+  Command{ "measure", measure, N_("drive tactors through known steps and record them") },
+  Command{ "analyze", analyze, N_("make a calibration from recordings") },
+  Command{ "show", show, N_("draw envelopes, rise times and residuals") },
+  Command{ "check", check, N_("play a pattern and measure its timing error") },
 };
 
 int

@@ -5,6 +5,7 @@
 #include "film/device_list.h"
 #include "film/or_throw.h"
 #include "text.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,20 +32,22 @@ PlayOptions::with(std::initializer_list<GOptionEntry> own)
   defaults.fill_of_driver("device", device);
   std::vector<GOptionEntry> entries{
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of tactorsink, or audio for shakers at a sound card (default: the user's, else auto)",
+      N_("Driver of tactorsink, or audio for shakers at a sound card (default: the user's, else "
+         "auto)"),
       "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &device.value,
-      "Device of the driver, or the name of a sound card", "ID" },
+      N_("Device of the driver, or the name of a sound card"), "ID" },
     { "channels", 0, 0, G_OPTION_ARG_INT, &channels,
-      "With --driver=audio: channels of the sound card; each is a tactor (default: 2)", "N" },
+      N_("With --driver=audio: channels of the sound card; each is a tactor (default: 2)"), "N" },
     { "frequency", 0, 0, G_OPTION_ARG_STRING, &frequency.value,
-      "With --driver=audio: carrier of each channel in Hz, such as 40,60 (default: 60)", "LIST" },
+      N_("With --driver=audio: carrier of each channel in Hz, such as 40,60 (default: 60)"),
+      "LIST" },
     { "source", 's', 0, G_OPTION_ARG_STRING, &source.value,
-      "GStreamer source that records the motors, as a launch line (default: autoaudiosrc); "
-      "simulator: simulate motors and record them; none: record nothing",
+      N_("GStreamer source that records the motors, as a launch line (default: autoaudiosrc); "
+         "simulator: simulate motors and record them; none: record nothing"),
       "LINE" },
     { "simulated-motors", 0, 0, G_OPTION_ARG_FILENAME, &simulated_motors.value,
-      "Calibration of the motors that --source=simulator has (default: the paper's)", "FILE" },
+      N_("Calibration of the motors that --source=simulator has (default: the paper's)"), "FILE" },
   };
   entries.insert(entries.end(), own);
   entries.emplace_back();
@@ -65,7 +68,7 @@ PlayOptions::settings(double volts_max)
                            .source = source.text() == "none" ? "" : source.text() };
   expect_range("--channels", channels, 1, 64);
   if (settings.driver == kAudio && settings.source == "simulator")
-    throw UsageError("--source=simulator has motors of its own; leave out --driver=audio");
+    throw UsageError(_("--source=simulator has motors of its own; leave out --driver=audio"));
   settings.sensor.noise = 0.001;
   if (!simulated_motors.is_set())
     return settings;
@@ -97,7 +100,7 @@ parse_tactors(const std::string &text)
       tactors.push_back(tactor);
   }
   if (tactors.empty())
-    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
+    throw UsageError(in_text("expected tactors as in 0,2,5 or 0-8, got '{}'", text));
   return tactors;
 }
 
@@ -111,7 +114,7 @@ parse_band(const std::string &text)
   const auto high
       = read_number<double>(std::string_view(text).substr(std::min(colon + 1, text.size())));
   if (!low || !high || !(*low > 0 && *high > *low && std::isfinite(*high)))
-    throw UsageError("expected a band as in 20:200, in Hz, got '" + text + "'");
+    throw UsageError(in_text("expected a band as in 20:200, in Hz, got '{}'", text));
   return { *low, *high };
 }
 

@@ -6,6 +6,7 @@
 #include "film/device_list.h"
 #include "film/or_throw.h"
 #include "film/pipeline.h"
+#include "translation.h"
 
 #include <gst/app/app.h>
 #include <gst/base/gstbasesink.h>
@@ -99,7 +100,8 @@ push_frames(GstElement *source, const std::vector<Frame> &frames)
   const guint columns = std::min(tactors, kMostColumns);
   const guint rows = (tactors + columns - 1) / columns;
   if (rows > kMostColumns)
-    throw std::runtime_error("expected 4096 tactors at most, got " + std::to_string(tactors));
+    throw std::runtime_error(
+        in_text("expected 4096 tactors at most, got {}", std::to_string(tactors)));
   g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(rows, columns, 0, 1);
   gst_app_src_set_caps(GST_APP_SRC(source), caps);
   for (const Frame &frame : frames) {
@@ -125,7 +127,7 @@ throw_message(GstMessage *message)
 [[noreturn]] void
 throw_interrupted()
 {
-  throw std::runtime_error("interrupted; all motors are off");
+  throw std::runtime_error(_("interrupted; all motors are off"));
 }
 
 /// Takes the pipeline to PAUSED. A microphone is live: without this, running time would begin
@@ -177,9 +179,10 @@ void
 set_tactoraudiosink(GstElement *tactors, const PlayerSettings &settings, std::size_t count)
 {
   if (count > static_cast<std::size_t>(settings.channels))
-    throw std::runtime_error("expected tactors of 0 to " + std::to_string(settings.channels - 1)
-                             + ", which are the card's channels, got " + std::to_string(count - 1)
-                             + "; --channels says how many there are");
+    throw std::runtime_error(in_text("expected tactors of 0 to {}, which are the card's channels, "
+                                     "got {}; --channels says how many there are",
+                                     std::to_string(settings.channels - 1),
+                                     std::to_string(count - 1)));
   g_object_set(tactors, "mapping", mapping_of(count).c_str(), nullptr);
   if (!settings.compensate)
     g_object_set(tactors, "rise-time", guint64{ 0 }, nullptr);
@@ -276,10 +279,10 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
         over |= settings.source.empty() || heard.until() >= end + latency + kTail;
       const Time waited = std::chrono::microseconds(g_get_monotonic_time() - begin);
       if (!over && !simulated && waited > end + latency + kTail + kPatience)
-        throw std::runtime_error("the source '" + settings.source
-                                 + "' stopped; expected sound until "
-                                 + std::to_string((end + latency) / 1ms) + " ms, got it until "
-                                 + std::to_string(heard.until() / 1ms) + " ms");
+        throw std::runtime_error(
+            in_text("the source '{}' stopped; expected sound until {} ms, got it until {} ms",
+                    settings.source, std::to_string((end + latency) / 1ms),
+                    std::to_string(heard.until() / 1ms)));
     }
     if (!settings.source.empty()) {
       played.recording = heard.take();

@@ -7,6 +7,7 @@
 #include "calibration/alignment.h"
 #include "calibration/median.h"
 #include "film/or_throw.h"
+#include "translation.h"
 
 #include <glib.h>
 
@@ -98,12 +99,12 @@ Session::begin(const fs::path &folder, const tactor::MeasurementSettings &settin
   fs::create_directories(folder);
   const tl::expected<std::string, files::Error> old = files::read(path, kMostBytes);
   if (!old && old.error().number != ENOENT)
-    throw std::runtime_error("cannot read '" + path.string() + "': " + old.error().reason);
+    throw std::runtime_error(in_text("cannot read '{}': {}", path.string(), old.error().reason));
   if (old) {
     if (text != *old)
-      throw std::runtime_error("'" + folder.string()
-                               + "' holds another measurement; expected the same options as in "
-                                 "session.ini, or a new folder");
+      throw std::runtime_error(in_text("'{}' holds another measurement; expected the same options "
+                                       "as in session.ini, or a new folder",
+                                       folder.string()));
   } else {
     g_autoptr(GError) error = nullptr;
     if (!g_file_set_contents(path.c_str(), text.c_str(), -1, &error))
@@ -120,10 +121,11 @@ Session::open(const fs::path &folder)
   const tl::expected<std::string, files::Error> text
       = files::read(folder / "session.ini", kMostBytes);
   if (!text)
-    throw std::runtime_error("'" + folder.string()
-                             + "' holds no measurement: session.ini: " + text.error().reason);
+    throw std::runtime_error(in_text("'{}' holds no measurement: session.ini: {}", folder.string(),
+                                     text.error().reason));
   if (!g_key_file_load_from_data(file.get(), text->data(), text->size(), G_KEY_FILE_NONE, &error))
-    throw std::runtime_error("'" + folder.string() + "' holds no measurement: " + error->message);
+    throw std::runtime_error(
+        in_text("'{}' holds no measurement: {}", folder.string(), error->message));
   Session session;
   session.folder_ = folder;
   gsize count = 0;
@@ -218,7 +220,7 @@ Session::keep(int run, const Played &played) const
       trace.write(issued);
     trace.flush();
     if (trace.failed())
-      throw std::runtime_error("cannot write '" + part.string() + "': is the disk full?");
+      throw std::runtime_error(in_text("cannot write '{}': is the disk full?", part.string()));
   }
   fs::rename(part, file(run, ".csv")); // last: marks the run as done
 }
@@ -236,7 +238,7 @@ Session::measure(tactor::Band band, bool find) const
         find || recording.extension() != ".wav" || sensor_.empty(), band);
   }
   if (heard.runs.empty())
-    throw std::runtime_error("'" + folder_.string() + "' holds no recorded run yet");
+    throw std::runtime_error(in_text("'{}' holds no recorded run yet", folder_.string()));
   respond(heard, tactors(), band);
   return heard;
 }

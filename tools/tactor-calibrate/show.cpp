@@ -6,6 +6,7 @@
 
 #include "calibration/tactor_calibration.h"
 #include "film/picture.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -28,31 +29,30 @@ show(int argc, char **argv)
   CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Name of the pictures to write or replace, NAME.svg or NAME.png (default: "
-      "FOLDER/tactor-N.svg)",
+      N_("Name of the pictures to write or replace, NAME.svg or NAME.png (default: "
+         "FOLDER/tactor-N.svg)"),
       "PICTURE" },
-    { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Tactor to draw (default: 0)", "N" },
+    { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, N_("Tactor to draw (default: 0)"), "N" },
     { "from", 0, 0, G_OPTION_ARG_DOUBLE, &start,
-      "Start voltage of the rise in NAME-envelope (default: 0)", "V" },
+      N_("Start voltage of the rise in NAME-envelope (default: 0)"), "V" },
     { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target,
-      "Target voltage of that rise (default: the highest)", "V" },
-    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "Band to filter, in Hz (default: detected)",
-      "LOW:HIGH" },
+      N_("Target voltage of that rise (default: the highest)"), "V" },
+    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
+      N_("Band to filter, in Hz (default: detected)"), "LOW:HIGH" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Draws three pictures of a tactor: NAME-envelope (one rise and its "
-                   "90 %),\nNAME-rise-times (all rises and the fit) and "
-                   "NAME-residuals.",
+        .summary = N_("Draws three pictures of a tactor: NAME-envelope (one rise and its 90 "
+                      "%),\nNAME-rise-times (all rises and the fit) and NAME-residuals."),
         .least = 1,
         .most = 1 });
   const std::string name = output.is_set()
                                ? output.text()
                                : arguments.front() + "/tactor-" + std::to_string(tactor) + ".svg";
   if (!is_picture_name(name))
-    throw UsageError("expected a PICTURE that ends in .png or .svg");
+    throw UsageError(_("expected a PICTURE that ends in .png or .svg"));
   gst_init(nullptr, nullptr);
   const std::string stem = name.substr(0, name.size() - 4);
   const std::string ending = name.substr(name.size() - 4);
@@ -65,8 +65,8 @@ show(int argc, char **argv)
   const std::optional<tactor::TactorCalibration> calibration
       = tactor::calibrate_tactor(own, heard.one_clock);
   if (!calibration)
-    throw std::runtime_error("tactor " + std::to_string(tactor)
-                             + " has no rise that could be measured");
+    throw std::runtime_error(
+        in_text("tactor {} has no rise that could be measured", std::to_string(tactor)));
 
   // The rise nearest to --from and --to.
   const tactor::RecordedRun *run = nullptr;
@@ -84,7 +84,7 @@ show(int argc, char **argv)
       step = other;
     }
   if (!run)
-    throw std::runtime_error("tactor " + std::to_string(tactor) + " has no rise");
+    throw std::runtime_error(in_text("tactor {} has no rise", std::to_string(tactor)));
   int tactors = 1;
   for (const int index : session.settings().tactors)
     tactors = std::max(tactors, index + 1);
@@ -97,7 +97,7 @@ show(int argc, char **argv)
     const std::string path = stem + "-" + what + ending;
     write_picture(path, kPictureWidth, kPictureHeight, kPixels, draw);
     if (!common.quiet)
-      std::printf("written: %s\n", path.c_str());
+      std::printf(_("written: %s\n"), path.c_str());
   };
   write("envelope", [&](cairo_t *cairo) { draw_envelope(cairo, response, envelope); });
   write("rise-times", [&](cairo_t *cairo) { draw_surface(cairo, *calibration, own); });

@@ -2,6 +2,7 @@
 #include "film_listener.h"
 
 #include "tracks/formats/track_file.h"
+#include "translation.h"
 
 #include <gst/app/gstappsink.h>
 
@@ -255,8 +256,8 @@ FilmListener::Ear::hear()
   const Owned<GstElement> sink = element(pipeline, "sound");
   const Owned<GstBus> bus(gst_element_get_bus(pipeline.get()));
   if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
-    throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
-                             + start_error(bus.get()));
+    throw std::runtime_error(
+        in_text("cannot listen to {}: {}", source_name(settings_.source), start_error(bus.get())));
   std::optional<listen::Listener> listener(std::in_place, *films_.catalogue, kRate);
   auto *sound = GST_APP_SINK(sink.get());
   while (!stops() && gst_app_sink_is_eos(sound) == FALSE) {
@@ -294,8 +295,8 @@ FilmListener::Ear::expect_source(GstBus *bus) const
     else if (settings_.source.empty() && GST_IS_BIN(GST_MESSAGE_SRC(message)))
       gst_message_parse_warning(message, &error, nullptr);
     if (error != nullptr)
-      throw std::runtime_error("cannot listen to " + source_name(settings_.source) + ": "
-                               + error->message);
+      throw std::runtime_error(
+          in_text("cannot listen to {}: {}", source_name(settings_.source), error->message));
   }
 }
 

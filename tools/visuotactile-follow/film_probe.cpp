@@ -2,6 +2,7 @@
 #include "film_probe.h"
 
 #include "gst/cues/cue_stream.h"
+#include "translation.h"
 
 #include <stdexcept>
 #include <string_view>
@@ -46,7 +47,7 @@ FilmProbe::FilmProbe(const std::string &uri)
   g_signal_connect(discoverer_.get(), "discovered", G_CALLBACK(on_discovered), this);
   gst_discoverer_start(discoverer_.get());
   if (!gst_discoverer_discover_uri_async(discoverer_.get(), uri.c_str()))
-    throw std::runtime_error("it cannot be opened");
+    throw std::runtime_error(_("it cannot be opened"));
 }
 
 FilmProbe::~FilmProbe()

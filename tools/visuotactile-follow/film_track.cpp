@@ -2,6 +2,7 @@
 #include "film_track.h"
 
 #include "map_source.h"
+#include "translation.h"
 
 #include <ctime>
 #include <filesystem>
@@ -209,7 +210,7 @@ void
 FilmTrack::pass_over()
 {
   if (fault_.empty())
-    throw std::runtime_error("there is no faulty track to skip");
+    throw std::runtime_error(_("there is no faulty track to skip"));
   passed_over_.insert(faulty_);
   open(std::string(film_));
 }

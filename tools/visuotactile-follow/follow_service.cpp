@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "follow_service.h"
+#include "translation.h"
 
 #include <cmath>
 #include <memory>
@@ -94,9 +95,9 @@ call(const char *interface, const char *method, GVariant *arguments, const char 
     return reply;
   if (g_error_matches(error, G_DBUS_ERROR, G_DBUS_ERROR_SERVICE_UNKNOWN)
       || g_error_matches(error, G_DBUS_ERROR, G_DBUS_ERROR_NAME_HAS_NO_OWNER))
-    throw std::runtime_error("no visuotactile-follow runs in this session; start it first");
+    throw std::runtime_error(_("no visuotactile-follow runs in this session; start it first"));
   g_dbus_error_strip_remote_error(error);
-  throw std::runtime_error(std::string("no answer from visuotactile-follow: ") + error->message);
+  throw std::runtime_error(in_text("no answer from visuotactile-follow: {}", error->message));
 }
 
 } // namespace
@@ -142,7 +143,7 @@ FollowService::on_call(GDBusConnection *, const gchar *, const gchar *, const gc
     double by = 0;
     g_variant_get(arguments, "(d)", &by);
     if (!std::isfinite(by))
-      throw std::runtime_error("expected a number of ms");
+      throw std::runtime_error(_("expected a number of ms"));
     const auto &nudge = std::string_view(method) == "NudgeFilm" ? calls.nudge_film : calls.nudge;
     g_dbus_method_invocation_return_value(invocation, g_variant_new("(d)", nudge(by)));
   } catch (const std::runtime_error &error) {

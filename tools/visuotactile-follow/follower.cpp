@@ -5,6 +5,7 @@
 #include "follow/players/kodi_player.h"
 #include "follow/players/mpris_player.h"
 #include "follow/players/mpv_player.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 
@@ -20,9 +21,10 @@ using follow::Report;
 
 namespace {
 
-constexpr guint kTick = 20;        ///< ms
-constexpr guint kLookEvery = 1500; ///< ms
-constexpr guint kListing = 1000;   ///< ms until all have answered
+constexpr follow::Time kTick = std::chrono::milliseconds(20);
+constexpr follow::Time kSlowTick = std::chrono::milliseconds(200); ///< only cues may be due
+constexpr guint kLookEvery = 1500;                                 ///< ms
+constexpr guint kListing = 1000;                                   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
 constexpr const char *kKodi = "kodi";
@@ -60,15 +62,32 @@ Follower::Follower(const FollowSettings &settings)
       listens_(settings_.listens.has_value())
 {
   if (settings_.server && !timing_.server(*settings_.server))
-    throw std::runtime_error(std::string("expected server= and token= in the group [")
-                             + name_of(*settings_.server) + "] of '" + PlayerTiming::usual_path()
-                             + "'");
+    throw std::runtime_error(in_text("expected server= and token= in the group [{}] of '{}'",
+                                     name_of(*settings_.server), PlayerTiming::usual_path()));
   g_autoptr(GError) error = nullptr;
   bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
   if (bus_ == nullptr && !settings_.mpris.empty()) {
     g_main_loop_unref(loop_);
-    throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
+    throw std::runtime_error(in_text("cannot reach the session bus: {}", error->message));
   }
+  static GSourceFuncs ticks{ .dispatch
+                             = +[](GSource *, GSourceFunc step, gpointer self) -> gboolean {
+    return step(self);
+  } };
+  ticks_ = g_source_new(&ticks, sizeof(GSource));
+  g_source_set_ready_time(ticks_, -1);
+  g_source_set_callback(
+      ticks_,
+      +[](gpointer data) -> gboolean {
+        auto *self = static_cast<Follower *>(data);
+        g_source_set_ready_time(self->ticks_, -1);
+        self->step();
+        if (self->is_busy())
+          self->wake();
+        return G_SOURCE_CONTINUE;
+      },
+      this, nullptr);
+  g_source_attach(ticks_, nullptr);
   if (bus_ != nullptr)
     g_dbus_connection_set_exit_on_close(bus_, FALSE);
   if (bus_ != nullptr && settings_.uses_bus) {
@@ -119,8 +138,8 @@ Follower::~Follower()
   chair_.close(); // before anything else
   for (const guint source : sources_)
     g_source_remove(source);
-  if (ticks_ != 0)
-    g_source_remove(ticks_);
+  g_source_destroy(ticks_);
+  g_source_unref(ticks_);
   players_.clear();
   FilmListener::have_ended(kGoodbye);
   names_.reset();
@@ -199,7 +218,7 @@ Follower::look_around()
     chair_.close();
     open_chair();
   }
-  if (ticks_ == 0)
+  if (g_source_get_ready_time(ticks_) < 0)
     step();
   if (is_busy())
     wake();
@@ -406,7 +425,7 @@ Follower::change_film()
   // Motors first: a slow disk may take its time.
   track_.reset();
   cues_.set_track(nullptr);
-  chair_.take(cues_.step({}, local_time(), chair_.ahead()));
+  feel({}, local_time());
   if (current_ != nullptr)
     film_track_.open(film, current_->player->track(), current_->last.length);
   else
@@ -481,7 +500,21 @@ Follower::update()
   const auto estimate = film_position(now);
   if (estimate)
     position_ = estimate->position;
-  chair_.take(cues_.step(estimate, now, chair_.ahead()));
+  feel(estimate, now);
+}
+
+/// Sends the cues that are due now, and tells when the next ones are, or silence is.
+void
+Follower::feel(const std::optional<follow::PositionEstimator::Estimate> &estimate, follow::Time now)
+{
+  const follow::Time ahead = chair_.ahead();
+  const auto step = cues_.step(estimate, now, ahead);
+  chair_.take(step);
+  due_ = now + kSlowTick;
+  if (step.until) // the film may be put right by playing faster
+    due_ = now + (*step.until - now - ahead) * 10 / 12;
+  if (const auto known = current_ != nullptr ? current_->estimator.known_until() : std::nullopt)
+    due_ = std::min(due_, *known + std::chrono::milliseconds(1));
 }
 
 /// Where the film is, from its 0:00 on.
@@ -496,33 +529,33 @@ Follower::film_position(follow::Time now) const
   return estimate;
 }
 
-/// Starts the ticks, which end by themselves when a second between them is enough.
+/// Sets the time of the next tick. They end by themselves when a second between them is enough.
 void
 Follower::wake()
 {
-  if (ticks_ == 0)
-    ticks_ = g_timeout_add(
-        kTick,
-        +[](gpointer data) -> gboolean {
-          auto *self = static_cast<Follower *>(data);
-          self->step();
-          const bool goes_on = self->is_busy();
-          if (!goes_on)
-            self->ticks_ = 0;
-          return goes_on;
-        },
-        this);
+  constexpr auto kLeast = std::chrono::milliseconds(5);
+  const bool hurries = !is_busy() || any_leaves() || film_track_.is_busy(position_)
+                       || (current_ != nullptr && current_->estimator.asks_again());
+  const follow::Time next = hurries ? stepped_ + kTick : std::min(stepped_ + kSlowTick, due_);
+  const follow::Time earliest = local_time() + kLeast;
+  g_source_set_ready_time(
+      ticks_,
+      std::chrono::duration_cast<std::chrono::microseconds>(std::max(next, earliest)).count());
+}
+
+bool
+Follower::any_leaves() const
+{
+  return !returned_.empty()
+         || std::ranges::any_of(players_, [](const auto &one) { return one.second.is_gone; });
 }
 
 /// Whether anything can change within a second without a report.
 bool
 Follower::is_busy() const
 {
-  const bool any_leaves = !returned_.empty() || std::ranges::any_of(players_, [](const auto &one) {
-    return one.second.is_gone;
-  });
-  if (rests_ || any_leaves)
-    return any_leaves;
+  if (rests_ || any_leaves())
+    return any_leaves();
   return film_track_.is_busy(position_) || (current_ != nullptr && current_->estimator.asks_again())
          || std::ranges::any_of(players_, [](const auto &one) {
               return one.second.last.doing == Doing::playing
@@ -533,6 +566,7 @@ Follower::is_busy() const
 void
 Follower::step()
 {
+  stepped_ = local_time();
   update();
   if (current_ != nullptr)
     tell_of_player();

@@ -92,6 +92,7 @@ private:
   void chair_failed(const std::string &text);
   void rest(bool rests, const std::string &why);
   void update();
+  void feel(const std::optional<follow::PositionEstimator::Estimate> &estimate, follow::Time now);
   std::optional<follow::PositionEstimator::Estimate> film_position(follow::Time now) const;
   double nudge(double by);
   double nudge_film(double by);
@@ -105,6 +106,7 @@ private:
   void tell(const std::string &text);
   void fail(const std::string &text);
   void wake();
+  bool any_leaves() const;
   bool is_busy() const;
   void step();
 
@@ -130,7 +132,9 @@ private:
   follow::Time patient_until_{ 0 };
   std::string failure_;
   std::vector<guint> sources_;
-  guint ticks_ = 0;                   ///< source; 0: none is needed
+  GSource *ticks_;                    ///< has no ready time while none is needed
+  follow::Time stepped_{ 0 };         ///< local time of the last tick
+  follow::Time due_{ 0 };             ///< of the next cues
   std::vector<std::string> returned_; ///< names of players that came back before they were removed
   bool told_of_mpv_ = false;
   bool told_of_kodi_ = false;

@@ -2,6 +2,7 @@
 //
 // The state of a Follower for its queries, and the delay of the vibration.
 #include "follower.h"
+#include "translation.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -30,7 +31,7 @@ double
 Follower::nudge(double by)
 {
   if (current_ == nullptr)
-    throw std::runtime_error("no film plays whose time could be moved");
+    throw std::runtime_error(_("no film plays whose time could be moved"));
   const std::string kind = player_kind(current_->player->name());
   timing_.set_offset(kind, timing_.offset(kind) + by);
   set_delay();
@@ -43,7 +44,7 @@ double
 Follower::nudge_film(double by)
 {
   if (current_ == nullptr || film_.empty())
-    throw std::runtime_error("no film plays whose time could be moved");
+    throw std::runtime_error(_("no film plays whose time could be moved"));
   const std::string film = library::film_name(film_);
   timing_.set_film_offset(film, timing_.film_offset(film) + by);
   set_delay();

@@ -7,6 +7,7 @@
 #include "film/known_driver.h"
 #include "film/live_settings.h"
 #include "film/sound.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -78,57 +79,58 @@ read_command_line(int argc, char **argv, Options &options)
 {
   const GOptionEntry entries[] = {
     { "mpv", 0, 0, G_OPTION_ARG_FILENAME, &options.mpv.value,
-      "Follow mpv at the socket of its --input-ipc-server (default: mpv.sock in "
-      "$XDG_RUNTIME_DIR)",
+      N_("Follow mpv at the socket of its --input-ipc-server (default: mpv.sock in "
+         "$XDG_RUNTIME_DIR)"),
       "SOCKET" },
     { "mpris", 0, 0, G_OPTION_ARG_STRING, &options.mpris.value,
-      "Follow this player on the session bus, a name that --list-players prints", "NAME" },
+      N_("Follow this player on the session bus, a name that --list-players prints"), "NAME" },
     { "kodi", 0, 0, G_OPTION_ARG_STRING, &options.kodi.value,
-      "Follow Kodi through JSON-RPC on this host (default port: 9090)", "HOST[:PORT]" },
+      N_("Follow Kodi through JSON-RPC on this host (default port: 9090)"), "HOST[:PORT]" },
     { "server", 0, 0, G_OPTION_ARG_STRING, &options.server.value,
-      "Follow a session of this media server, whose address and token are in follow.conf",
+      N_("Follow a session of this media server, whose address and token are in follow.conf"),
       "jellyfin|emby|plex" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Folder of tracks, or its address on a web server, for films without a track beside them",
+      N_("Folder of tracks, or its address on a web server, for films without a track beside them"),
       "DIR|URL" },
     { "listen", 0, G_OPTION_FLAG_OPTIONAL_ARG, G_OPTION_ARG_CALLBACK,
       reinterpret_cast<gpointer>(set_listen),
-      "Recognize films of the library of --tracks by their sound, from the microphone (default), "
-      "'monitor' (the sound of this computer), a source of PulseAudio or PipeWire, or a file",
+      N_("Recognize films of the library of --tracks by their sound, from the microphone "
+         "(default), 'monitor' (the sound of this computer), a source of PulseAudio or PipeWire, "
+         "or a file"),
       "SOURCE" },
     { "listen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.listen_latency,
-      "Time from a sound at the screen until this computer receives it, in ms, -5000 to 5000 "
-      "(default: 0)",
+      N_("Time from a sound at the screen until this computer receives it, in ms, -5000 to 5000 "
+         "(default: 0)"),
       "MS" },
-    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "Exit when the player exits", nullptr },
+    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, N_("Exit when the player exits"), nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
-      "Make no drafts for films without a track", nullptr },
+      N_("Make no drafts for films without a track"), nullptr },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "sync-to", 0, 0, G_OPTION_ARG_STRING, &options.sync_to.value,
-      "Synchronize the chair with the screen or the sound (default: screen)", "screen|sound" },
+      N_("Synchronize the chair with the screen or the sound (default: screen)"), "screen|sound" },
     { "screen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.screen_latency,
-      "Time until a picture of the player is visible, in ms, -5000 to 5000 "
-      "(default: 0)",
+      N_("Time until a picture of the player is visible, in ms, -5000 to 5000 (default: 0)"),
       "MS" },
     { "sound-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.sound_latency,
-      "Time until a sound of the player is audible, in ms, -5000 to 5000 (default: measured with "
-      "each player)",
+      N_("Time until a sound of the player is audible, in ms, -5000 to 5000 (default: measured "
+         "with each player)"),
       "MS" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
-      "Print the state of the running visuotactile-follow, and exit", nullptr },
+      N_("Print the state of the running visuotactile-follow, and exit"), nullptr },
     { "nudge", 'n', 0, G_OPTION_ARG_DOUBLE, &options.nudge,
-      "Delay the vibration of the running visuotactile-follow, in ms (negative: advance it), "
-      "store the sum for this kind of player, and exit",
+      N_("Delay the vibration of the running visuotactile-follow, in ms (negative: advance it), "
+         "store the sum for this kind of player, and exit"),
       "MS" },
     { "nudge-film", 0, 0, G_OPTION_ARG_DOUBLE, &options.nudge_film,
-      "As --nudge, but store the sum for the film that plays, in any player", "MS" },
+      N_("As --nudge, but store the sum for the film that plays, in any player"), "MS" },
     { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
-      "Make the running visuotactile-follow skip the film's faulty track until its file changes, "
-      "in favor of another track or a draft, and exit",
+      N_("Make the running visuotactile-follow skip the film's faulty track until its file "
+         "changes, in favor of another track or a draft, and exit"),
       nullptr },
     { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
-      "Print the running players, and exit", nullptr },
-    { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
+      N_("Print the running players, and exit"), nullptr },
+    { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, N_("Print the version and exit"),
+      nullptr },
     {},
   };
   UserDefaults defaults(kProgram);
@@ -139,16 +141,16 @@ read_command_line(int argc, char **argv, Options &options)
       argc, argv, entries, options.common,
       { .arguments = "",
         .summary
-        = "Plays the track of a film on the chair, in sync with the film in another\nprogram: mpv, "
-          "Kodi, VLC, a browser and other players that report their\nposition through mpv's "
-          "socket, Kodi's JSON-RPC or MPRIS on the session bus,\nand players of Jellyfin, Emby and "
-          "Plex through their server. Without --mpv,\n--kodi, --mpris and --server, the program "
-          "follows any player that plays.\n\nThe track of FILM.mkv is FILM.vtt (or .tactile.vtt, "
-          ".csv, .hjif, .sem.xml,\n.haptic, .ahap, .funscript, .tact) beside it, a track in the "
-          "film, or one of\nthe library of --tracks; tactile-track makes tracks. For other films "
-          "on this\ncomputer, the program makes a draft while they play.\n\nCtrl-C stops the "
-          "program and all motors. SIGUSR1 delays the vibration by\n10 ms, SIGUSR2 advances it by "
-          "10 ms.",
+        = N_("Plays the track of a film on the chair, in sync with the film in another\nprogram: "
+             "mpv, Kodi, VLC, a browser and other players that report their\nposition through "
+             "mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus,\nand players of Jellyfin, "
+             "Emby and Plex through their server. Without --mpv,\n--kodi, --mpris and --server, "
+             "the program follows any player that plays.\n\nThe track of FILM.mkv is FILM.vtt (or "
+             ".tactile.vtt, .csv, .hjif, .sem.xml,\n.haptic, .ahap, .funscript, .tact) beside it, "
+             "a track in the film, or one of\nthe library of --tracks; tactile-track makes tracks. "
+             "For other films on this\ncomputer, the program makes a draft while they "
+             "play.\n\nCtrl-C stops the program and all motors. SIGUSR1 delays the vibration "
+             "by\n10 ms, SIGUSR2 advances it by 10 ms."),
         .least = 0,
         .most = 0,
         .quiet_help = Usage::kOnlyErrors,
@@ -162,8 +164,8 @@ read_command_line(int argc, char **argv, Options &options)
   expect_ms("--nudge-film", options.nudge_film);
   expect_ms("--listen-latency", options.listen_latency);
   if (options.listen && !options.tracks.is_set())
-    throw UsageError("--listen needs --tracks, with the folder or address of entries of films "
-                     "(tactile-track learn)");
+    throw UsageError(_("--listen needs --tracks, with the folder or address of entries of films "
+                       "(tactile-track learn)"));
   constexpr std::string_view kSyncs[] = { "screen", "sound" };
   expect_one_of("--sync-to", options.sync_to.text("screen"), kSyncs);
   if (options.server.is_set())
@@ -207,11 +209,11 @@ print_status()
   if (status.position >= 0)
     std::printf("%-9s %.1f s\n", "position:", status.position);
   if (status.ahead >= 0)
-    std::printf("%-9s %.1f s of the film are known\n", "ahead:", status.ahead);
+    std::printf(_("%-9s %.1f s of the film are known\n"), "ahead:", status.ahead);
   if (status.player.empty())
     return;
-  std::printf("%-9s %+.0f ms, of the %s\n", "latency:", status.latency, status.sync_to.c_str());
-  std::printf("%-9s %+.0f ms, with this film %+.0f ms more\n", "offset:", status.offset,
+  std::printf(_("%-9s %+.0f ms, of the %s\n"), "latency:", status.latency, status.sync_to.c_str());
+  std::printf(_("%-9s %+.0f ms, with this film %+.0f ms more\n"), "offset:", status.offset,
               status.film_offset);
 }
 
@@ -219,9 +221,9 @@ void
 run(const Options &options)
 {
   if (options.nudge != 0)
-    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge, false));
+    std::printf(_("offset: %+.0f ms\n"), send_nudge(options.nudge, false));
   if (options.nudge_film != 0)
-    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge_film, true));
+    std::printf(_("offset: %+.0f ms\n"), send_nudge(options.nudge_film, true));
   if (options.pass_over)
     send_pass_over();
   if (options.status)
@@ -237,8 +239,8 @@ run(const Options &options)
   if (std::filesystem::is_directory(tracks, error))
     tracks = std::filesystem::absolute(tracks, error).string(); // as programs read it on the bus
   else if (std::filesystem::exists(tracks, error))
-    throw std::runtime_error("'" + tracks
-                             + "' is not a folder; expected a folder or an address for --tracks");
+    throw std::runtime_error(
+        in_text("'{}' is not a folder; expected a folder or an address for --tracks", tracks));
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set()
                    && !options.server.is_set();
   std::optional<FilmListener::Settings> listens;
@@ -290,7 +292,7 @@ main(int argc, char **argv)
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const UsageError &error) {
-    print_error(kProgram, std::string(error.what()) + "; see " + kProgram + " --help");
+    print_error(kProgram, in_text("{}; see {} --help", error.what(), kProgram));
     return 2;
   } catch (const std::exception &error) {
     print_error(kProgram, error.what());

@@ -3,6 +3,7 @@
 
 #include "files/regular_file.h"
 #include "files/whole_file.h"
+#include "translation.h"
 
 #include <glib/gstdio.h>
 
@@ -66,11 +67,11 @@ PlayerTiming::read()
     return;
   }
   if (!text)
-    throw std::runtime_error("cannot read '" + path_ + "': " + text.error().reason);
+    throw std::runtime_error(in_text("cannot read '{}': {}", path_, text.error().reason));
   g_autoptr(GError) error = nullptr;
   if (!g_key_file_load_from_data(file_.get(), text->data(), text->size(), G_KEY_FILE_KEEP_COMMENTS,
                                  &error))
-    throw std::runtime_error("cannot read '" + path_ + "': " + error->message);
+    throw std::runtime_error(in_text("cannot read '{}': {}", path_, error->message));
 }
 
 std::optional<double>
@@ -142,11 +143,10 @@ PlayerTiming::set_offset(const std::string &kind, double offset)
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
   if (g_mkdir_with_parents(folder, 0700) != 0)
-    throw std::runtime_error("cannot make the folder '" + std::string(folder)
-                             + "': " + g_strerror(errno));
+    throw std::runtime_error(in_text("cannot make the folder '{}': {}", folder, g_strerror(errno)));
   gsize length = 0;
   g_autofree gchar *text = g_key_file_to_data(file_.get(), &length, nullptr);
   const auto written = files::replace_file(path_, { text, length }, files::Readers::user);
   if (!written)
-    throw std::runtime_error("cannot write " + written.error());
+    throw std::runtime_error(in_text("cannot write {}", written.error()));
 }

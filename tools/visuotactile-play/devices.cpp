@@ -4,6 +4,7 @@
 #include "film/command_line.h"
 #include "film/device_list.h"
 #include "tactor/drivers/registry.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -67,29 +68,29 @@ motors_of(const ChosenDevice &chosen, unsigned rows, unsigned columns)
     return walk_of_device(chosen.driver, chosen.device, rows, columns);
   std::vector<std::string> names;
   for (unsigned channel = 1; channel <= chosen.channels; channel++)
-    names.push_back("channel " + std::to_string(channel));
+    names.push_back(in_text("channel {}", std::to_string(channel)));
   return walk_of_motors(names);
 }
 
 int
 list_devices()
 {
-  std::puts("Found:");
+  std::puts(_("Found:"));
   const std::vector<FoundDevice> found = found_devices();
   for (const FoundDevice &device : found)
     print("--driver=" + device.driver + " " + shell_word("--device=" + device.device),
-          device.driver == kAudio ? "shakers at a sound card" : device.name);
+          device.driver == kAudio ? _("shakers at a sound card") : device.name);
   if (found.empty())
-    print("nothing", "no board, gamepad or sound card");
-  std::puts("\nNot looked for, as that would disturb them:");
+    print(_("nothing"), _("no board, gamepad or sound card"));
+  std::puts(_("\nNot looked for, as that would disturb them:"));
   for (const tactor::DriverInfo &driver : tactor::drivers()) {
     if (driver.name == "bhaptics")
-      print("--driver=bhaptics --device=vest-back", "or another part of a suit, or PART@HOST");
+      print("--driver=bhaptics --device=vest-back", _("or another part of a suit, or PART@HOST"));
     if (driver.name == "intiface")
-      print("--driver=intiface --device=NAME", "as Intiface shows it, or NAME@HOST");
+      print("--driver=intiface --device=NAME", _("as Intiface shows it, or NAME@HOST"));
   }
-  std::puts("\nAlways there:");
-  print("--driver=audio", "the desktop's sound card");
-  print("--driver=simulator", "no hardware");
+  std::puts(_("\nAlways there:"));
+  print("--driver=audio", _("the desktop's sound card"));
+  print("--driver=simulator", _("no hardware"));
   return 0;
 }

@@ -4,11 +4,11 @@
 #include "film/pipeline.h"
 #include "gst/video/video_sinks.h"
 
-bool
-have_display()
+std::string
+video_sink()
 {
   if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
-    return false;
+    return {};
   // autovideosink would try it.
   if (GstPluginFeature *feature
       = gst_registry_lookup_feature(gst_registry_get(), kCrashingVideoSink)) {
@@ -18,16 +18,17 @@ have_display()
   // autovideosink opens the best sink that works, or settles for a fake one.
   const Owned<GstElement> sink(gst_element_factory_make("autovideosink", nullptr));
   if (!sink)
-    return false;
+    return {};
   gst_object_ref_sink(sink.get());
-  bool found = false;
+  std::string found;
   if (gst_element_set_state(sink.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE) {
     GstIterator *children = gst_bin_iterate_elements(GST_BIN(sink.get()));
     GValue item = G_VALUE_INIT;
     while (gst_iterator_next(children, &item) == GST_ITERATOR_OK) {
       const GstElementFactory *factory
           = gst_element_get_factory(GST_ELEMENT(g_value_get_object(&item)));
-      found = factory && !g_str_has_prefix(GST_OBJECT_NAME(factory), "fake");
+      if (factory && !g_str_has_prefix(GST_OBJECT_NAME(factory), "fake"))
+        found = GST_OBJECT_NAME(factory);
       g_value_unset(&item);
     }
     gst_iterator_free(children);

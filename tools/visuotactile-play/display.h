@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-/// Whether a picture can be shown here.
-bool have_display();
+#include <string>
+
+/// The element that can show a picture here; empty: none.
+std::string video_sink();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "keys.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,7 @@ template <typename... Values>
 std::string
 text(const char *format, Values... values)
 {
-  char line[80];
+  char line[160]; // longer than any
   std::snprintf(line, sizeof line, format, values...);
   return line;
 }
@@ -37,7 +38,7 @@ turn_intensity(GstElement *chair, bool up)
   const double now = property(chair, "intensity") + (up ? kIntensityStep : -kIntensityStep);
   const double intensity = std::clamp(std::round(now / kIntensityStep) * kIntensityStep, 0.0, 1.0);
   g_object_set(chair, "intensity", intensity, nullptr);
-  return text("Intensity %.0f %%", 100 * intensity);
+  return text(_("Intensity %.0f %%"), 100 * intensity);
 }
 
 std::string
@@ -54,8 +55,8 @@ steer(GstElement *analysis, std::string_view key)
     density = density < 0.99 ? density : 0;
     g_object_set(analysis, "density", density, nullptr);
   }
-  return text("Sensitivity %.2f, density %.0f %%%s", sensitivity, 100 * (density > 0 ? density : 1),
-              density > 0 ? "" : " (off)");
+  return text(_("Sensitivity %.2f, density %.0f %%%s"), sensitivity,
+              100 * (density > 0 ? density : 1), density > 0 ? "" : _(" (off)"));
 }
 
 } // namespace
@@ -88,7 +89,7 @@ turn(std::string_view key, GstElement *analysis, GstElement *chair)
     gboolean mute = FALSE;
     g_object_get(chair, "mute", &mute, nullptr);
     g_object_set(chair, "mute", !mute, nullptr);
-    return mute ? "Vibration on" : "Vibration off";
+    return mute ? _("Vibration on") : _("Vibration off");
   }
   return is_steering(key) ? steer(analysis, key) : "";
 }

@@ -2,6 +2,7 @@
 #include "launch_line.h"
 
 #include "film/pipeline.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -61,7 +62,10 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   if (!settings.picture.empty())
     line += settings.picture;
   else if (settings.window)
-    line += "autovideosink";
+    line += (have_element("textoverlay")
+                 ? "textoverlay name=words silent=true valignment=top halignment=left ! "
+                 : "")
+            + std::string("autovideosink");
   else if (settings.recording.empty())
     line += "fakesink sync=true";
   else
@@ -89,8 +93,8 @@ video_encoder()
     return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
   if (have_element("vp9enc"))
     return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
-  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
-                           "(gstreamer1.0-plugins-good) is installed");
+  throw std::runtime_error(_("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor "
+                             "vp9enc (gstreamer1.0-plugins-good) is installed"));
 }
 
 std::string

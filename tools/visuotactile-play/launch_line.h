@@ -10,6 +10,7 @@
 struct PlaySettings
 {
   bool window = false;          ///< picture and sound on this machine
+  bool titled = false;          ///< the window is ours, not the sink's
   std::string picture;          ///< the picture's sink; empty: one that fits the others
   std::string recording;        ///< file of the recording, without a window; empty: none
   std::string commands;         ///< file of the command trace; empty: none

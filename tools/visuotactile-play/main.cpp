@@ -19,6 +19,7 @@
 #include "film/sound.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/release_boards.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -57,8 +58,8 @@ expect_new(const std::filesystem::path &path, bool force)
 {
   std::error_code error;
   if (!force && std::filesystem::is_regular_file(path, error))
-    throw std::runtime_error("'" + path.string()
-                             + "' exists; expected a folder without it, or --force");
+    throw std::runtime_error(
+        in_text("'{}' exists; expected a folder without it, or --force", path.string()));
 }
 
 /// Prints a line for each board. Returns the exit status.
@@ -69,14 +70,14 @@ release_boards(const std::string &device)
   if (!released)
     throw std::runtime_error(released.error().text);
   if (released->empty())
-    std::puts("No board was left by a player that was killed.");
+    std::puts(_("No board was left by a player that was killed."));
   bool all_stopped = true;
   for (const auto &[device, refusal] : *released) {
     if (refusal)
-      print_error(kProgram,
-                  tactor::describe(device) + ": cannot stop its motors: " + refusal->text);
+      print_error(kProgram, in_text("{}: cannot stop its motors: {}", tactor::describe(device),
+                                    refusal->text));
     else
-      std::printf("%s: motors stopped, board returned\n", tactor::describe(device).c_str());
+      std::printf(_("%s: motors stopped, board returned\n"), tactor::describe(device).c_str());
     all_stopped = all_stopped && !refusal;
   }
   return all_stopped ? 0 : 1;
@@ -107,41 +108,42 @@ void
 print_report(const Film &film, const PlayReport &report)
 {
   const double seconds = static_cast<double>(report.position) / GST_SECOND;
-  std::printf("\nFilm           %s\n", film.title.c_str());
-  std::printf("Picture        %d x %d", film.width, film.height);
+  std::printf(_("\nFilm           %s\n"), film.title.c_str());
+  std::printf(_("Picture        %d x %d"), film.width, film.height);
   if (film.fps > 0)
-    std::printf(", %.5g frames/s", film.fps);
-  std::printf("%s\n", !film.has_sound ? ", no sound"
-                      : report.silent ? ", with sound that cannot be decoded"
-                                      : ", with sound");
-  std::printf("Played         %s%.1f s", report.moved ? "to " : "", seconds);
+    std::printf(_(", %.5g frames/s"), film.fps);
+  std::printf("%s\n", !film.has_sound ? _(", no sound")
+                      : report.silent ? _(", with sound that cannot be decoded")
+                                      : _(", with sound"));
+  std::printf(_("Played         %s%.1f s"), report.moved ? _("to ") : "", seconds);
   if (GST_CLOCK_TIME_IS_VALID(film.duration))
-    std::printf(" of %.1f s", static_cast<double>(film.duration) / GST_SECOND);
+    std::printf(_(" of %.1f s"), static_cast<double>(film.duration) / GST_SECOND);
   if (report.stopped)
-    std::printf(" (stopped)");
+    std::printf(_(" (stopped)"));
   std::printf("\n");
   if (!report.ended_early.empty())
-    std::printf("Film broken    it ends here: %s\n", report.ended_early.c_str());
+    std::printf(_("Film broken    it ends here: %s\n"), report.ended_early.c_str());
   else if (!report.stopped && GST_CLOCK_TIME_IS_VALID(film.duration)
            && static_cast<double>(report.reached)
                   < 0.98 * static_cast<double>(film.duration) - 0.25 * GST_SECOND)
-    std::printf("Film broken    it ends here, before the length in its header: is the file "
-                "truncated?\n");
-  std::printf("Frames         %llu, of which %llu are felt\n",
+    std::printf(_("Film broken    it ends here, before the length in its header: is the file "
+                  "truncated?\n"));
+  std::printf(_("Frames         %llu, of which %llu are felt\n"),
               number(report.analysis.get(), "frames"), number(report.analysis.get(), "active"));
-  std::printf("Analysis       %.2f ms per frame (longest %.2f ms)\n",
+  std::printf(_("Analysis       %.2f ms per frame (longest %.2f ms)\n"),
               milliseconds(report.analysis.get(), "analysis-mean"),
               milliseconds(report.analysis.get(), "analysis-max"));
   if (report.chair == nullptr)
     return;
-  std::printf("Commands       %llu issued, %llu late, %llu coalesced",
+  std::printf(_("Commands       %llu issued, %llu late, %llu coalesced"),
               number(report.chair.get(), "issued"), number(report.chair.get(), "late"),
               number(report.chair.get(), "coalesced"));
   if (const auto expired = number(report.chair.get(), "expired"))
-    std::printf(", %llu expired (too late to be felt: close other programs or play a smaller film)",
-                expired);
+    std::printf(
+        _(", %llu expired (too late to be felt: close other programs or play a smaller film)"),
+        expired);
   std::printf("\n");
-  std::printf("Schedule error %.2f ms p50, %.2f ms p99, %.2f ms max\n",
+  std::printf(_("Schedule error %.2f ms p50, %.2f ms p99, %.2f ms max\n"),
               milliseconds(report.chair.get(), "error-p50"),
               milliseconds(report.chair.get(), "error-p99"),
               milliseconds(report.chair.get(), "error-max"));
@@ -180,9 +182,9 @@ expect_elements(std::span<const char *const> names)
   for (const char *name : names) {
     GstElementFactory *factory = gst_element_factory_find(name);
     if (!factory) {
-      throw std::runtime_error(
-          std::string("GStreamer has no element '") + name
-          + "'; install the project (meson install) or start with pipelines/play.sh");
+      throw std::runtime_error(in_text("GStreamer has no element '{}'; install the project (meson "
+                                       "install) or start with pipelines/play.sh",
+                                       name));
     }
     gst_object_unref(factory);
   }
@@ -238,10 +240,10 @@ run(const Options &options)
     expect_elements(std::array{ "subparse", "tactileconverter", "tactilecombiner" });
     settings.track = track->path();
     if (!settings.quiet)
-      std::printf("Track          %s\n", track->source().c_str());
+      std::printf(_("Track          %s\n"), track->source().c_str());
   } else if (options.tracks.is_set()) {
-    print_error(kProgram,
-                "there is no track for '" + film.title + "': what the analysis finds is played");
+    print_error(kProgram, in_text("there is no track for '{}': what the analysis finds is played",
+                                  film.title));
   }
 #endif
   // A track replaces the maps of the sound and of people, which nothing else needs.
@@ -249,7 +251,11 @@ run(const Options &options)
   settings.sound = has_track ? nullptr : sound_profile(options.sound.text());
   if (settings.sound)
     expect_elements(kSoundElements);
-  settings.window = !options.no_window && have_display();
+  const std::string sink = options.no_window ? "" : video_sink();
+  settings.window = !sink.empty();
+  // That of Wayland has a window of its own.
+  settings.titled = sink == "xvimagesink" || sink == "ximagesink"
+                    || (sink == "glimagesink" && g_getenv("WAYLAND_DISPLAY") == nullptr);
   settings.analysis_options = "profile=" + options.profile.text();
   if (options.rows != kOfDevice)
     settings.analysis_options += " rows=" + std::to_string(options.rows);
@@ -259,8 +265,8 @@ run(const Options &options)
     settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
   if (options.density > 0)
     settings.analysis_options += " density=" + number_text(options.density);
-  if (!has_track && options.people.text() != "off")
-    settings.analysis_options += " people=" + options.people.text();
+  if (const std::string people = has_track ? "off" : options.people.text(); people != "auto")
+    settings.analysis_options += " people=" + people;
   if (!has_track && options.camera.text() != "off")
     settings.analysis_options += " camera=" + options.camera.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;
@@ -294,7 +300,8 @@ run(const Options &options)
     };
     if (!settings.window) {
       if (is_same_file(film.uri, directory / kRecording))
-        throw std::runtime_error("the recording would overwrite the film; give another --output");
+        throw std::runtime_error(
+            _("the recording would overwrite the film; give another --output"));
       settings.recording = open(recording, kRecording);
     }
     if (settings.has_trace)
@@ -307,7 +314,7 @@ run(const Options &options)
   if (!report.failure.empty())
     throw std::runtime_error(report.failure);
   if (!report.played && !report.stopped)
-    throw std::runtime_error("'" + film.title + "' has no frame that can be decoded");
+    throw std::runtime_error(in_text("'{}' has no frame that can be decoded", film.title));
 
   // The files are complete before the report: its reader may not wait for the program's end.
   std::string written;
@@ -323,9 +330,9 @@ run(const Options &options)
 
   print_report(film, report);
   if (recording && report.played && !report.recorded)
-    std::printf("Recording      not finished, so not kept\n");
+    std::printf(_("Recording      not finished, so not kept\n"));
   if (writes)
-    std::printf("Written        %s\n", written.empty() ? "nothing" : written.c_str());
+    std::printf(_("Written        %s\n"), written.empty() ? _("nothing") : written.c_str());
   return report.motors_may_run ? 1 : 0;
 }
 
@@ -352,7 +359,7 @@ main(int argc, char **argv)
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const UsageError &error) {
-    print_error(kProgram, std::string(error.what()) + "; see --help");
+    print_error(kProgram, in_text("{}; see --help", error.what()));
     return 2;
   } catch (const std::exception &error) {
     print_error(kProgram, error.what());

@@ -5,6 +5,7 @@
 #include "film/known_driver.h"
 #include "film/sound.h"
 #include "film/user_defaults.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -14,7 +15,7 @@
 
 namespace {
 
-constexpr std::string_view kPeople[] = { "off", "fast", "thorough" };
+constexpr std::string_view kPeople[] = { "auto", "off", "fast", "thorough" };
 constexpr std::string_view kCameras[] = { "off", "gentle" };
 constexpr std::string_view kCompensations[] = { "exact", "frame-block", "none" };
 
@@ -43,93 +44,96 @@ read_command_line(int argc, char **argv, Options &options)
   fill(options, defaults);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output.value,
-      "Write commands.csv and strip.png to this folder and, if no window shows the film, "
-      "visuotactile.mkv (default: write nothing)",
+      N_("Write commands.csv and strip.png to this folder and, if no window shows the film, "
+         "visuotactile.mkv (default: write nothing)"),
       "DIR" },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &options.no_window,
-      "Show no window even with a display", nullptr },
+      N_("Show no window even with a display"), nullptr },
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
-      "Driver of tactorsink, or audio for shakers at a sound card (default: the "
-      "user's, else auto)",
+      N_("Driver of tactorsink, or audio for shakers at a sound card (default: the user's, else "
+         "auto)"),
       "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value,
-      "Device of the driver, a name that --list-devices prints", "ID" },
+      N_("Device of the driver, a name that --list-devices prints"), "ID" },
     { "channels", 0, 0, G_OPTION_ARG_INT, &options.channels,
-      "Channels of the sound card, 1 to 64 (default: 2)", "N" },
+      N_("Channels of the sound card, 1 to 64 (default: 2)"), "N" },
     { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &options.intensity,
-      "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
+      N_("Factor on all vibration, 0 to 1 (default: 1)"), "FACTOR" },
     { "list-devices", 0, 0, G_OPTION_ARG_NONE, &options.list_devices,
-      "Print the connected devices with their options, and exit", nullptr },
+      N_("Print the connected devices with their options, and exit"), nullptr },
     { "feel-test", 0, 0, G_OPTION_ARG_NONE, &options.feel_test,
-      "Drive one motor after the other for half a second, name each, and exit", nullptr },
+      N_("Drive one motor after the other for half a second, name each, and exit"), nullptr },
     { "motor", 0, 0, G_OPTION_ARG_INT, &options.motor,
-      "With --feel-test: drive only this motor, from 1 on (default: all)", "N" },
+      N_("With --feel-test: drive only this motor, from 1 on (default: all)"), "N" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile.value,
-      "Profile of the analysis: tuned (default) or paper", "NAME" },
+      N_("Profile of the analysis: tuned (default) or paper"), "NAME" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows,
-      "Rows of tactors, 1 to 64 (default: the device's, else 3)", "N" },
+      N_("Rows of tactors, 1 to 64 (default: the device's, else 3)"), "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &options.columns,
-      "Columns of tactors, 1 to 64 (default: the device's, else 3)", "N" },
+      N_("Columns of tactors, 1 to 64 (default: the device's, else 3)"), "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &options.rate,
-      "Rate in Hz at which levels may change; 0: with every frame (default: 5, and 0 with a track)",
+      N_("Rate in Hz at which levels may change; 0: with every frame (default: 5, and 0 with a "
+         "track)"),
       "HZ" },
     { "sensitivity", 0, 0, G_OPTION_ARG_DOUBLE, &options.sensitivity,
-      "Factor on the contrast of events, 0.1 to 10 (default: 1)", "FACTOR" },
+      N_("Factor on the contrast of events, 0.1 to 10 (default: 1)"), "FACTOR" },
     { "density", 0, 0, G_OPTION_ARG_DOUBLE, &options.density,
-      "Largest share of the time with vibration, 0 to 1; 0: any (default)", "SHARE" },
+      N_("Largest share of the time with vibration, 0 to 1; 0: any (default)"), "SHARE" },
     { "people", 0, 0, G_OPTION_ARG_STRING, &options.people.value,
-      "Detect faces and prefer events in them: off (default), fast or thorough; without effect in "
-      "the profile paper",
+      N_("Detect faces and prefer events in them: auto (default; as fast, if the face detector is "
+         "installed), off, fast or thorough; without effect in the profile paper"),
       "NAME" },
     { "camera", 0, 0, G_OPTION_ARG_STRING, &options.camera.value,
-      "A soft wave in the direction in which the camera travels: off (default) or gentle; "
-      "without effect in the profile paper",
+      N_("A soft wave in the direction in which the camera travels: off (default) or gentle; "
+         "without effect in the profile paper"),
       "NAME" },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
-      "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
+      N_("Compensation of the motors' rise time: exact (default), frame-block or none"), "NAME" },
 #ifdef HAVE_LIBRARY
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
-      "Play the film's track instead of analyzing the film: the track beside it or in this folder "
-      "of tracks; DIR may also be the folder's address on a web server",
+      N_("Play the film's track instead of analyzing the film: the track beside it or in this "
+         "folder of tracks; DIR may also be the folder's address on a web server"),
       "DIR" },
 #endif
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
-      "Print the gst-launch-1.0 line and exit", nullptr },
+      N_("Print the gst-launch-1.0 line and exit"), nullptr },
     { "release-boards", 0, 0, G_OPTION_ARG_NONE, &options.release_boards,
-      "Stop the motors of boards that a killed player has left (with --device: of this board), "
-      "return the boards to the system, and exit",
+      N_("Stop the motors of boards that a killed player has left (with --device: of this board), "
+         "return the boards to the system, and exit"),
       nullptr },
-    { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
+    { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, N_("Print the version and exit"),
+      nullptr },
     {},
   };
   options.films = parse_options(
       argc, argv, entries, options.common,
       { .arguments = "[FILM]",
-        .summary = "Plays a film and drives a grid of vibration motors by the events that draw the "
-                   "eye.\nFILM is a file or a URI; without FILM, the program plays a synthetic "
-                   "film.\n\nWith a display, a window shows the film with its tactile overlay. "
-                   "Without a display,\nthe film drives the motors in real time, too. --output=DIR "
-                   "writes the commands to the\nchair to DIR/commands.csv, a few frames with their "
-                   "maps to DIR/strip.png and, without a\nwindow, the film with its overlay to "
-                   "DIR/visuotactile.mkv. Existing files are replaced\nonly with --force.\n\nKeys "
-                   "in the window: Space pauses, Left and Right move by 10 s, Down and Up by a "
-                   "minute,\n+ and - change the intensity of the vibration, M switches it off and "
-                   "on, Q quits. 1 and 2\nchange the sensitivity, 3 and 4 the density. After these "
-                   "keys, and with --sensitivity or\n--density, a bar at the lower edge of the "
-                   "picture shows the strongest event of each frame;\nevents that pass the red "
-                   "mark are felt.\n\nIf an option is missing, the user's setting applies: see "
-                   "visuotactile-settings.\n\nCtrl-C ends the film, with all motors at zero and "
-                   "complete files; a second Ctrl-C ends\nthe program at once.",
+        .summary
+        = N_("Plays a film and drives a grid of vibration motors by the events that draw the "
+             "eye.\nFILM is a file or a URI; without FILM, the program plays a synthetic "
+             "film.\n\nWith a display, a window shows the film with its tactile overlay. Without a "
+             "display,\nthe film drives the motors in real time, too. --output=DIR writes the "
+             "commands to the\nchair to DIR/commands.csv, a few frames with their maps to "
+             "DIR/strip.png and, without a\nwindow, the film with its overlay to "
+             "DIR/visuotactile.mkv. Existing files are replaced\nonly with --force.\n\nKeys in the "
+             "window: Space pauses, Left and Right move by 10 s, Down and Up by a minute,\n+ and - "
+             "change the intensity of the vibration, M switches it off and on, F fills the "
+             "screen,\nQ quits. 1 and 2 change the sensitivity, 3 and 4 the density. After these "
+             "keys, and with\n--sensitivity or --density, a bar at the lower edge of the picture "
+             "shows the strongest event\nof each frame; events that pass the red mark are "
+             "felt.\n\nIf an option is missing, the user's setting applies: see "
+             "visuotactile-settings.\n\nCtrl-C ends the film, with all motors at zero and complete "
+             "files; a second Ctrl-C ends\nthe program at once."),
         .least = 0,
         .most = std::numeric_limits<std::size_t>::max(),
-        .force_help = "Replace files of an earlier run",
-        .quiet_help = "Print no progress, only the report",
+        .force_help = N_("Replace files of an earlier run"),
+        .quiet_help = N_("Print no progress, only the report"),
         .group = gst_init_get_option_group() });
   if (options.version)
     return;
   if (options.films.size() > 1)
-    throw UsageError("expected one film at the most");
+    throw UsageError(_("expected one film at the most"));
   for (const auto &[name, side] :
        { std::pair{ "--rows", options.rows }, std::pair{ "--columns", options.columns } })
     if (side != kOfDevice)
@@ -148,13 +152,14 @@ read_command_line(int argc, char **argv, Options &options)
   expect_driver(chosen_device(options).driver, kAudio);
   if (options.driver.text() == kAudio && options.compensation.text() != "exact")
     throw UsageError(
-        "--compensation has no effect with --driver=audio, which always compensates exactly");
+        _("--compensation has no effect with --driver=audio, which always compensates exactly"));
   if (options.tracks.is_set() && (options.films.empty() || options.print_pipeline))
-    throw UsageError("--tracks plays the track of a film; expected one, and no --print-pipeline");
+    throw UsageError(
+        _("--tracks plays the track of a film; expected one, and no --print-pipeline"));
   if (options.motor != 0 && !options.feel_test)
-    throw UsageError("--motor needs --feel-test");
+    throw UsageError(_("--motor needs --feel-test"));
   if (options.feel_test && !options.films.empty())
-    throw UsageError("--feel-test plays no film; expected none");
+    throw UsageError(_("--feel-test plays no film; expected none"));
   defaults.keep_to_driver(options.driver.text());
   defaults.fill_grid(options.rows, options.columns, kOfDevice);
   options.plays_on = defaults.text(options.driver.text());

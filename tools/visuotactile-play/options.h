@@ -21,7 +21,7 @@ struct Options
 {
   TextOption output{};
   TextOption profile{ "tuned" };
-  TextOption people{ "off" };
+  TextOption people{ "auto" };
   TextOption camera{ "off" };
   TextOption sound{ "off" };
   TextOption compensation{ "exact" };

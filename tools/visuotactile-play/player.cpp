@@ -2,15 +2,20 @@
 #include "player.h"
 
 #include "keys.h"
+#ifdef HAVE_X11
+#include "window.h"
+#endif
 
 #include "film/frame_times.h"
 #include "film/live_settings.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 #include <gst/video/navigation.h>
 #include <gst/video/video.h>
+#include <gst/video/videooverlay.h>
 
 #include <algorithm>
 #include <atomic>
@@ -23,6 +28,9 @@ namespace {
 
 /// How long queued data may play after Ctrl-C.
 constexpr guint kDrainSeconds = 3;
+
+/// How long the window shows what a key did.
+constexpr guint kWordsSeconds = 3;
 
 /// How long the recording may then take to be completed.
 constexpr guint kFinishSeconds = 2;
@@ -48,6 +56,8 @@ public:
   {
     for (const guint source : sources_)
       g_source_remove(source);
+    if (words_)
+      g_source_remove(words_);
     if (timeout_)
       g_source_remove(timeout_);
     pipeline_.reset();
@@ -92,6 +102,7 @@ public:
           progress_.is_on_terminal() ? 1 : 5,
           +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
 
+    open_window(bus.get());
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
       g_main_loop_run(loop_);
     else
@@ -124,6 +135,94 @@ private:
       return;
     const Owned<GstPad> pad(gst_element_get_static_pad(probed.get(), pad_name));
     gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
+  }
+
+  /// As the settings say: the film is shown in ours, not in the sink's.
+  void open_window([[maybe_unused]] GstBus *bus)
+  {
+#ifdef HAVE_X11
+    if (settings_.titled)
+      window_ = PlayWindow::open(film_.width, film_.height,
+                                 { .pressed = [this](const std::string &key) { on_key(key); },
+                                   .changed =
+                                       [this] {
+                                         if (const Owned<GstElement> sink = shown_by())
+                                           gst_video_overlay_expose(GST_VIDEO_OVERLAY(sink.get()));
+                                       },
+                                   .closed =
+                                       [this] {
+                                         on_key("q");
+                                       } });
+    if (!window_)
+      return;
+    gst_bus_set_sync_handler(
+        bus,
+        +[](GstBus *, GstMessage *message, gpointer window) { // in a streaming thread
+          if (!gst_is_video_overlay_prepare_window_handle_message(message))
+            return GST_BUS_PASS;
+          GstVideoOverlay *sink = GST_VIDEO_OVERLAY(GST_MESSAGE_SRC(message));
+          gst_video_overlay_handle_events(sink, FALSE); // keys are the window's
+          gst_video_overlay_set_window_handle(sink, static_cast<PlayWindow *>(window)->handle());
+          gst_message_unref(message);
+          return GST_BUS_DROP;
+        },
+        window_.get(), nullptr);
+    show_position();
+    sources_.push_back(g_timeout_add_seconds(
+        1,
+        +[](gpointer self) -> gboolean {
+          static_cast<Run *>(self)->show_position();
+          return G_SOURCE_CONTINUE;
+        },
+        this));
+#endif
+  }
+
+  Owned<GstElement> shown_by() const
+  {
+    return Owned<GstElement>(
+        gst_bin_get_by_interface(GST_BIN(pipeline_.get()), GST_TYPE_VIDEO_OVERLAY));
+  }
+
+  std::string position_text() const
+  {
+    return clock_time(shown_.load())
+           + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? _(" of ") + clock_time(film_.duration)
+                                                      : "");
+  }
+
+  void show_position()
+  {
+#ifdef HAVE_X11
+    g_autofree gchar *name = g_path_get_basename(film_.title.c_str());
+    if (window_)
+      window_->set_title(name + (", " + position_text()) + (paused_ ? _(", paused") : ""));
+#endif
+  }
+
+  bool is_full_screen() const
+  {
+#ifdef HAVE_X11
+    if (window_)
+      return window_->is_full_screen();
+#endif
+    return false;
+  }
+
+  /// Of a sink with a window of its own, only Wayland's knows the whole screen.
+  void toggle_full_screen()
+  {
+#ifdef HAVE_X11
+    if (window_)
+      return window_->set_full_screen(!window_->is_full_screen());
+#endif
+    const Owned<GstElement> sink = shown_by();
+    if (!sink
+        || g_object_class_find_property(G_OBJECT_GET_CLASS(sink.get()), "fullscreen") == nullptr)
+      return;
+    gboolean full = FALSE;
+    g_object_get(sink.get(), "fullscreen", &full, nullptr);
+    g_object_set(sink.get(), "fullscreen", !full, nullptr);
   }
 
   /// Ends the stream here after Ctrl-C. Data that is queued downstream is played and recorded on
@@ -174,9 +273,10 @@ private:
         self->strip_->offer(buffer, caps, time);
       if (self->position_.exchange(end_of(buffer, time)) == 0) {
         if (!self->settings_.quiet)
-          std::fprintf(stderr, "visuotactile-play: %s\n%s '%s'; Ctrl-C ends it\n",
+          std::fprintf(stderr, _("visuotactile-play: %s\n%s '%s'; Ctrl-C ends it\n"),
                        self->settings_.plays_on.c_str(),
-                       self->settings_.recording.empty() ? "Playing" : "Recording, in real time,",
+                       self->settings_.recording.empty() ? _("Playing")
+                                                         : _("Recording, in real time,"),
                        self->film_.title.c_str());
         self->post("playing");
       }
@@ -223,13 +323,15 @@ private:
 
   void on_key(const std::string &key)
   {
-    if (key == "q" || key == "Escape") {
+    if (key == "f" || (key == "Escape" && is_full_screen())) {
+      toggle_full_screen();
+    } else if (key == "q" || key == "Escape") {
       report_.stopped = true;
       g_main_loop_quit(loop_);
     } else if (key == "space" || key == "p") {
       paused_ = !paused_;
       gst_element_set_state(pipeline_.get(), paused_ ? GST_STATE_PAUSED : GST_STATE_PLAYING);
-      say((paused_ ? "Paused at " : "Playing from ") + clock_time(shown_.load()));
+      say((paused_ ? _("Paused at ") : _("Playing from ")) + clock_time(shown_.load()));
     } else if (const auto by = seek_of(key)) {
       seek(*by);
     } else if (const std::string line = turn(key, analysis_.get(), chair_.get()); !line.empty()) {
@@ -257,17 +359,31 @@ private:
         || !gst_element_seek_simple(
             silent_.load() ? overlay.get() : pipeline_.get(), GST_FORMAT_TIME,
             static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), to)) {
-      say("This film cannot be moved to another time");
+      say(_("This film cannot be moved to another time"));
       return;
     }
     report_.moved = true;
     shown_ = static_cast<GstClockTime>(to); // the next key may come before a frame
-    say(clock_time(static_cast<GstClockTime>(to))
-        + (GST_CLOCK_TIME_IS_VALID(film_.duration) ? " of " + clock_time(film_.duration) : ""));
+    say(position_text());
   }
 
   void say(const std::string &line)
   {
+    show_position();
+    if (const Owned<GstElement> words = element(pipeline_, "words")) {
+      g_object_set(words.get(), "text", line.c_str(), "silent", FALSE, nullptr);
+      if (words_)
+        g_source_remove(words_);
+      words_ = g_timeout_add_seconds(
+          kWordsSeconds,
+          +[](gpointer own) -> gboolean {
+            Run *self = static_cast<Run *>(own);
+            self->words_ = 0;
+            g_object_set(element(self->pipeline_, "words").get(), "silent", TRUE, nullptr);
+            return G_SOURCE_REMOVE;
+          },
+          this);
+    }
     progress_.clear();
     if (!settings_.quiet)
       std::fprintf(stderr, "%s\n", line.c_str());
@@ -373,7 +489,7 @@ private:
       if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
         break; // the warning about the missing decoder is clearer
       progress_.clear();
-      std::fprintf(stderr, "warning: %s\n", error->message);
+      std::fprintf(stderr, _("warning: %s\n"), error->message);
       break;
     }
     case GST_MESSAGE_INFO: {
@@ -457,7 +573,7 @@ private:
       return static_cast<double>(time) / GST_SECOND;
     };
     g_autofree gchar *of = GST_CLOCK_TIME_IS_VALID(film_.duration)
-                               ? g_strdup_printf(" of %.1f s", seconds(film_.duration))
+                               ? g_strdup_printf(_(" of %.1f s"), seconds(film_.duration))
                                : g_strdup("");
     g_autofree gchar *text = g_strdup_printf("%6.1f s%s", seconds(position), of);
     progress_.show(text + counts());
@@ -484,12 +600,16 @@ private:
   const Film &film_;
   Strip *strip_;
   GMainLoop *loop_;
+#ifdef HAVE_X11
+  std::unique_ptr<PlayWindow> window_; // until the sink is gone
+#endif
   Pipeline pipeline_;
   Owned<GstElement> analysis_;
   Owned<GstElement> chair_;
   LiveSettings live_;
   std::vector<guint> sources_;
   guint timeout_ = 0;
+  guint words_ = 0; ///< source that ends what a key has shown
   Progress progress_;
   bool playing_ = false; ///< the first frame has come
   std::string board_;    ///< which one is driven, yet to be printed

@@ -5,6 +5,7 @@
 #include "film/device_list.h"
 #include "house/missing.h"
 #include "house/switches.h"
+#include "translation.h"
 
 #include <cstdio>
 
@@ -24,9 +25,10 @@ int
 devices(int argc, char **argv)
 {
   CommonOptions common;
-  parse(argc, argv, common,
-        "Prints the connected devices, each as arguments of 'use', and the reason if one cannot\n"
-        "be felt. Exit status 1: something is missing. Opens none.");
+  parse(
+      argc, argv, common,
+      N_("Prints the connected devices, each as arguments of 'use', and the reason if one cannot\n"
+         "be felt. Exit status 1: something is missing. Opens none."));
   gst_init(nullptr, nullptr);
   std::vector<FoundDevice> found = found_devices();
   const std::vector<std::string> lines = missing(found);
@@ -37,11 +39,11 @@ devices(int argc, char **argv)
     if (!common.quiet)
       std::printf("driver=%s %s  %s\n", device.driver.c_str(),
                   device.device.empty() ? "" : argument,
-                  device.driver == kAudio ? "shakers at a sound card" : device.name.c_str());
+                  device.driver == kAudio ? _("shakers at a sound card") : device.name.c_str());
   }
   for (const std::string &server : waiting_servers())
     if (!common.quiet)
-      std::printf("driver=%s  its server runs here; name a device\n", server.c_str());
+      std::printf(_("driver=%s  its server runs here; name a device\n"), server.c_str());
   for (const std::string &line : lines)
     print_error("visuotactile-settings", line);
   return lines.empty() ? 0 : 1;
@@ -51,14 +53,15 @@ int
 players(int argc, char **argv)
 {
   CommonOptions common;
-  parse(argc, argv, common,
-        "Prints the players that 'on' and 'off' know, whether each is installed, and its state.");
+  parse(
+      argc, argv, common,
+      N_("Prints the players that 'on' and 'off' know, whether each is installed, and its state."));
   for (const Switch &player : switches())
     if (!common.quiet)
       std::printf("%-28s %-14s %s\n", player.name.c_str(),
-                  !player.is_there ? "not installed"
-                  : player.is_on   ? "on"
-                                   : "off",
+                  !player.is_there ? _("not installed")
+                  : player.is_on   ? _("on")
+                                   : _("off"),
                   player.title.c_str());
   return 0;
 }

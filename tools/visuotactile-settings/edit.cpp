@@ -6,6 +6,7 @@
 #include "film/command_line.h"
 #include "film/known_driver.h"
 #include "house/switches.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -20,9 +21,9 @@ constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 std::string
 table_of_keys()
 {
-  std::string table = "Keys:";
+  std::string table = _("Keys:");
   for (const chair::Key &key : chair::keys())
-    table += std::string("\n  ") + key.name + ": " + key.help + "; " + chair::expected(key);
+    table += std::string("\n  ") + key.name + ": " + _(key.help) + "; " + chair::expected(key);
   return table;
 }
 
@@ -52,7 +53,7 @@ key_of(const std::string &name)
 {
   if (const chair::Key *key = chair::find_key(name))
     return *key;
-  throw UsageError("unknown key '" + name + "': expected one of " + chair::names_of_keys());
+  throw UsageError(in_text("unknown key '{}': expected one of {}", name, chair::names_of_keys()));
 }
 
 /// Of KEY=VALUE.
@@ -61,13 +62,12 @@ pair_of(const std::string &argument)
 {
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos)
-    throw UsageError("expected KEY=VALUE, got '" + argument + "'");
+    throw UsageError(in_text("expected KEY=VALUE, got '{}'", argument));
   const std::string name = argument.substr(0, equals);
   const chair::Key &key = key_of(name);
   std::string value = argument.substr(equals + 1);
   if (!chair::takes(key, value))
-    throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"
-                     + value + "'");
+    throw UsageError(in_text("{}: expected {}, got '{}'", key.name, chair::expected(key), value));
   if (std::string_view(key.name) == "driver")
     expect_driver(value, chair::kShakers);
   return { key.name, std::move(value) };
@@ -77,8 +77,8 @@ void
 check_program(const std::string &name)
 {
   if (!chair::is_program_name(name))
-    throw UsageError("expected a program's name without folders and brackets, such as totem, got '"
-                     + name + "'");
+    throw UsageError(in_text(
+        "expected a program's name without folders and brackets, such as totem, got '{}'", name));
 }
 
 GOptionEntry
@@ -89,7 +89,7 @@ program_entry(TextOption &program)
            0,
            G_OPTION_ARG_STRING,
            &program.value,
-           "Only for this program, such as totem (default: for all)",
+           N_("Only for this program, such as totem (default: for all)"),
            "NAME" };
 }
 
@@ -130,7 +130,7 @@ enable(int argc, char **argv, const char *value, const char *summary)
     save(file);
   }
   if (!common.quiet && !programs.empty())
-    std::printf("written: %s\nIt applies to players that start from now on.\n",
+    std::printf(_("written: %s\nIt applies to players that start from now on.\n"),
                 chair::settings_path().c_str());
   if (!failed.empty())
     throw std::runtime_error(failed);
@@ -144,12 +144,13 @@ list(int argc, char **argv)
 {
   CommonOptions common;
   const GOptionEntry none[] = { {} };
-  parse_options(argc, argv, none, common,
-                { .arguments = "",
-                  .summary = "Prints the settings of all programs, [chair], and of single ones.",
-                  .least = 0,
-                  .most = 0,
-                  .quiet_help = "Print only what is wrong" });
+  parse_options(
+      argc, argv, none, common,
+      { .arguments = "",
+        .summary = N_("Prints the settings of all programs, [chair], and of single ones."),
+        .least = 0,
+        .most = 0,
+        .quiet_help = N_("Print only what is wrong") });
   const chair::SettingsFile file = loaded(chair::SettingsFile::load());
   std::vector<std::string> complaints;
   if (!common.quiet)
@@ -172,28 +173,27 @@ use(int argc, char **argv)
 {
   CommonOptions common;
   const GOptionEntry none[] = { {} };
-  const std::vector<std::string> arguments
-      = parse_options(argc, argv, none, common,
-                      { .arguments = "driver=NAME [device=ID]",
-                        .summary = "Chooses the device of all programs, as 'devices' prints it. "
-                                   "Grid, mapping and\ncalibration of the former one are kept "
-                                   "for the next time.",
-                        .least = 1,
-                        .most = 2 });
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, none, common,
+      { .arguments = "driver=NAME [device=ID]",
+        .summary = N_("Chooses the device of all programs, as 'devices' prints it. Grid, mapping "
+                      "and\ncalibration of the former one are kept for the next time."),
+        .least = 1,
+        .most = 2 });
   chair::Values chosen;
   for (const std::string &argument : arguments) {
     const auto [name, value] = pair_of(argument);
     if (name != "driver" && name != "device")
-      throw UsageError("expected driver=NAME and maybe device=ID, got '" + argument + "'");
+      throw UsageError(in_text("expected driver=NAME and maybe device=ID, got '{}'", argument));
     chosen[name] = value;
   }
   if (!chosen.contains("driver"))
-    throw UsageError("expected driver=NAME");
+    throw UsageError(_("expected driver=NAME"));
   chair::SettingsFile file = load_to_change();
   file.use(chosen["driver"], chosen["device"]);
   save(file);
   if (!common.quiet)
-    std::printf("written: %s\n", chair::settings_path().c_str());
+    std::printf(_("written: %s\n"), chair::settings_path().c_str());
   restart_follow();
   return 0;
 }
@@ -204,10 +204,10 @@ set(int argc, char **argv)
   TextOption program;
   CommonOptions common;
   const GOptionEntry entries[] = { program_entry(program), {} };
-  const std::string summary
-      = "Changes settings. intensity, mute and delay apply at once; in players with GStreamer,\n"
-        "sensitivity, density and sound do, too.\n"
-        + table_of_keys();
+  const std::string summary = std::string(_("Changes settings. intensity, mute and delay apply at "
+                                            "once; in players with GStreamer,\n"
+                                            "sensitivity, density and sound do, too."))
+                              + "\n" + table_of_keys();
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "KEY=VALUE...", .summary = summary.c_str(), .least = 1, .most = kAny });
@@ -219,7 +219,7 @@ set(int argc, char **argv)
   }
   save(file);
   if (!common.quiet)
-    std::printf("written: %s\n", chair::settings_path().c_str());
+    std::printf(_("written: %s\n"), chair::settings_path().c_str());
   return 0;
 }
 
@@ -232,8 +232,7 @@ unset(int argc, char **argv)
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "KEY...",
-        .summary = "Removes settings, so that those of all programs or the defaults "
-                   "apply.",
+        .summary = N_("Removes settings, so that those of all programs or the defaults apply."),
         .least = 1,
         .most = kAny });
   const std::string section = section_of(program);
@@ -242,14 +241,14 @@ unset(int argc, char **argv)
   for (const std::string &argument : arguments) {
     const bool was_set = file.unset(section, key_of(argument).name);
     if (!was_set && !common.quiet)
-      std::printf("not set: %s of [%s]\n", argument.c_str(), section.c_str());
+      std::printf(_("not set: %s of [%s]\n"), argument.c_str(), section.c_str());
     changed = changed || was_set;
   }
   if (!changed)
     return 0;
   save(file);
   if (!common.quiet)
-    std::printf("written: %s\n", chair::settings_path().c_str());
+    std::printf(_("written: %s\n"), chair::settings_path().c_str());
   return 0;
 }
 
@@ -257,15 +256,15 @@ int
 switch_on(int argc, char **argv)
 {
   return enable(argc, argv, "true",
-                "Enables the chair in these programs, such as totem. Without a PROGRAM: in all\n"
-                "that play with GStreamer. mpv and kodi start visuotactile-follow by a script;\n"
-                "follow is that program as a service, which follows any player.");
+                N_("Enables the chair in these programs, such as totem. Without a PROGRAM: in all\n"
+                   "that play with GStreamer. mpv and kodi start visuotactile-follow by a script;\n"
+                   "follow is that program as a service, which follows any player."));
 }
 
 int
 switch_off(int argc, char **argv)
 {
   return enable(argc, argv, "false",
-                "Disables the chair in these programs. Without a PROGRAM: in all that are not\n"
-                "enabled by name.");
+                N_("Disables the chair in these programs. Without a PROGRAM: in all that are not\n"
+                   "enabled by name."));
 }

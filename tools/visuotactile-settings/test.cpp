@@ -5,6 +5,7 @@
 #include "film/command_line.h"
 #include "film/motor_walk.h"
 #include "film/pipeline.h"
+#include "translation.h"
 
 #include <gst/gst.h>
 
@@ -35,18 +36,18 @@ test(int argc, char **argv)
 {
   TextOption driver;
   CommonOptions common;
-  const GOptionEntry entries[] = { { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-                                     "Driver of the tactors (default: from the settings)", "NAME" },
-                                   {} };
-  parse_options(argc, argv, entries, common,
-                { .arguments = "",
-                  .summary
-                  = "Drives one tactor after the other for half a second, with the "
-                    "settings of all\nprograms, row by row from the top left, or each motor "
-                    "of a gamepad, a vest or a device of\nIntiface. Prints the name of "
-                    "each.",
-                  .least = 0,
-                  .most = 0 });
+  const GOptionEntry entries[]
+      = { { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
+            N_("Driver of the tactors (default: from the settings)"), "NAME" },
+          {} };
+  parse_options(
+      argc, argv, entries, common,
+      { .arguments = "",
+        .summary = N_("Drives one tactor after the other for half a second, with the settings of "
+                      "all\nprograms, row by row from the top left, or each motor of a gamepad, a "
+                      "vest or a device of\nIntiface. Prints the name of each."),
+        .least = 0,
+        .most = 0 });
   gst_init(nullptr, nullptr);
   chair::Settings settings = chair::read_settings();
   settings.leave_out_shakers();
@@ -60,7 +61,7 @@ test(int argc, char **argv)
 
   const Owned<GstElement> tactors(gst_element_factory_make("tactorsink", nullptr));
   if (tactors == nullptr)
-    throw std::runtime_error("GStreamer has no element 'tactorsink'; install the project");
+    throw std::runtime_error(_("GStreamer has no element 'tactorsink'; install the project"));
   gst_object_ref_sink(tactors.get());
   apply(tactors.get(), settings);
   g_autofree gchar *driver_name = nullptr;

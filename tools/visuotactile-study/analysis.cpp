@@ -10,6 +10,7 @@
 #include "film/program.h"
 #include "study/folder.h"
 #include "study/table.h"
+#include "translation.h"
 
 #include <cmath>
 #include <cstdio>
@@ -57,9 +58,9 @@ expect_own_folder(const std::string &folder, const std::string &dictionary)
     return;
   g_autoptr(GDir) entries = g_dir_open(folder.c_str(), 0, nullptr);
   if (entries != nullptr && g_dir_read_name(entries) != nullptr)
-    throw std::runtime_error("'" + folder
-                             + "' has other files than a report of this study; expected an empty "
-                               "folder with --output, or --force");
+    throw std::runtime_error(in_text("'{}' has other files than a report of this study; expected "
+                                     "an empty folder with --output, or --force",
+                                     folder));
 }
 
 /// The study's factors, levels and questions for R: name, kind, label.
@@ -103,22 +104,22 @@ write_report(int argc, char **argv)
   gboolean with_marked = FALSE;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Folder for report.html, report.pdf, figure.png and answers.csv (default: FOLDER/report)",
+      N_("Folder for report.html, report.pdf, figure.png and answers.csv (default: FOLDER/report)"),
       "DIR" },
     { "with-marked", 0, 0, G_OPTION_ARG_NONE, &with_marked,
-      "Also use marked sessions, such as late ones", nullptr },
+      N_("Also use marked sessions, such as late ones"), nullptr },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Analyzes with R (packages r-cran-afex and r-cran-emmeans) the answers of "
-                   "participants who\nhave finished: analysis of variance with effect sizes, "
-                   "comparisons of levels, and a figure,\nbeside the results in published.csv. The "
-                   "report names marked sessions and leaves them out.",
+        .summary = N_("Analyzes with R (packages r-cran-afex and r-cran-emmeans) the answers of "
+                      "participants who\nhave finished: analysis of variance with effect sizes, "
+                      "comparisons of levels, and a figure,\nbeside the results in published.csv. "
+                      "The report names marked sessions and leaves them out."),
         .least = 1,
         .most = 1,
-        .force_help = "Also replace files that no earlier report of the study wrote" });
+        .force_help = N_("Also replace files that no earlier report of the study wrote") });
   const auto folder = or_throw(Folder::open(arguments[0], Folder::Use::reads));
   print_damaged("visuotactile-study report", *folder);
   const std::string to = output.text((folder->path() + "/report").c_str());
@@ -134,7 +135,7 @@ write_report(int argc, char **argv)
           with_marked ? "with-marked" : "without-marked" },
         common.quiet);
   if (!common.quiet)
-    std::printf("written: %s/report.html, %s/report.pdf\n", to.c_str(), to.c_str());
+    std::printf(_("written: %s/report.html, %s/report.pdf\n"), to.c_str(), to.c_str());
   return 0;
 }
 
@@ -151,31 +152,33 @@ compute_power(int argc, char **argv)
   gint seed = 1;
   const GOptionEntry entries[] = {
     { "factor", 0, 0, G_OPTION_ARG_STRING, &factor.value,
-      "The factor that has an effect (default: the first)", "NAME" },
+      N_("The factor that has an effect (default: the first)"), "NAME" },
     { "effect", 0, 0, G_OPTION_ARG_DOUBLE, &effect,
-      "Difference between the last and the first level of the factor (default: 15)", "POINTS" },
+      N_("Difference between the last and the first level of the factor (default: 15)"), "POINTS" },
     { "spread", 0, 0, G_OPTION_ARG_DOUBLE, &spread,
-      "Standard deviation of ratings in a condition (default: 15)", "POINTS" },
+      N_("Standard deviation of ratings in a condition (default: 15)"), "POINTS" },
     { "correlation", 0, 0, G_OPTION_ARG_DOUBLE, &correlation,
-      "Correlation of a participant's ratings in two conditions, 0 to 0.99 (default: 0.5)", "R" },
+      N_("Correlation of a participant's ratings in two conditions, 0 to 0.99 (default: 0.5)"),
+      "R" },
     { "power", 0, 0, G_OPTION_ARG_DOUBLE, &power,
-      "Required chance to find the effect, 0.05 to 0.99 (default: 0.8)", "CHANCE" },
+      N_("Required chance to find the effect, 0.05 to 0.99 (default: 0.8)"), "CHANCE" },
     { "studies", 0, 0, G_OPTION_ARG_INT, &studies,
-      "Number of simulated studies for each number of people, 100 to 100000 (default: 1000)", "N" },
-    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, "Seed of the simulation (default: 1)", "N" },
+      N_("Number of simulated studies for each number of people, 100 to 100000 (default: 1000)"),
+      "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT, &seed, N_("Seed of the simulation (default: 1)"), "N" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Computes how many people a study needs to find an effect at the 5 % level, by "
-                   "simulated\nstudies with R (package r-base-core).",
+        .summary = N_("Computes how many people a study needs to find an effect at the 5 % level, "
+                      "by simulated\nstudies with R (package r-base-core)."),
         .least = 1,
         .most = 1 });
   if (!std::isfinite(effect))
-    throw UsageError("--effect is a number");
+    throw UsageError(_("--effect is a number"));
   if (!(spread > 0 && std::isfinite(spread)))
-    throw UsageError("--spread is a number above 0");
+    throw UsageError(_("--spread is a number above 0"));
   expect_range("--correlation", correlation, 0, 0.99);
   expect_range("--power", power, 0.05, 0.99);
   expect_range("--studies", studies, 100, 100000);
@@ -187,7 +190,7 @@ compute_power(int argc, char **argv)
   words.push_back(std::to_string(seed));
   const std::string wanted = expect_factor(factor, folder->study());
   if (wanted.empty())
-    throw std::runtime_error("the study has no factor; expected one in study.ini");
+    throw std::runtime_error(_("the study has no factor; expected one in study.ini"));
   for (const Factor &one : folder->study().factors)
     words.push_back(one.name + ":" + std::to_string(one.levels.size()) + ":"
                     + (one.between ? "between" : "within") + ":"

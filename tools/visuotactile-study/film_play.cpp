@@ -9,6 +9,7 @@
 #include "film/device_list.h"
 #include "film/frame_times.h"
 #include "film/known_driver.h"
+#include "translation.h"
 
 #include <gst/video/videooverlay.h>
 
@@ -309,8 +310,8 @@ expect_playable(const std::string &film, const study::Settings &settings)
   try {
     expect_driver(setting(settings, "driver", "auto"), kAudio);
   } catch (const UsageError &error) {
-    throw std::runtime_error("the settings of a session: "
-                             + std::string(error.what()).substr(2)); // without the --
+    throw std::runtime_error(
+        in_text("the settings of a session: {}", error.what()).substr(2)); // without the --
   }
   sound_profile(setting(settings, "sound", "off"));
   discover_film(film);
@@ -349,5 +350,5 @@ add_defaults(study::Settings &settings, const study::Settings &defaults)
 bool
 can_show_films()
 {
-  return have_display();
+  return !video_sink().empty();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film_window.h"
+#include "translation.h"
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
@@ -72,8 +73,8 @@ monitor(const std::string &name)
   const std::vector<Monitor> all = monitors();
   const auto found = std::ranges::find(all, name, &Monitor::name);
   if (found == all.end())
-    throw std::runtime_error("the screen '" + name
-                             + "' is gone; connect it, or start again with another --screen");
+    throw std::runtime_error(
+        in_text("the screen '{}' is gone; connect it, or start again with another --screen", name));
   return *found;
 }
 
@@ -82,7 +83,7 @@ FilmWindow::FilmWindow(const Monitor &screen, int width, int height, std::functi
 {
   Display *display = display_.get();
   if (display == nullptr)
-    throw std::runtime_error("the X server has gone; expected the one of the start");
+    throw std::runtime_error(_("the X server has gone; expected the one of the start"));
   const double scale = std::min({ 1.0, static_cast<double>(screen.width) / width,
                                   static_cast<double>(screen.height) / height });
   width_ = std::max(1, static_cast<int>(width * scale));

@@ -8,6 +8,7 @@
 #include "film/output.h"
 #include "film/pipeline.h"
 #include "study/folder.h"
+#include "translation.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -41,7 +42,7 @@ make_film(const std::filesystem::path &folder, const std::string &name, const ch
   if (GST_MESSAGE_TYPE(last.get()) == GST_MESSAGE_ERROR) {
     g_autoptr(GError) error = nullptr;
     gst_message_parse_error(last.get(), &error, nullptr);
-    throw std::runtime_error("cannot make '" + name + "': " + error->message);
+    throw std::runtime_error(in_text("cannot make '{}': {}", name, error->message));
   }
   gst_element_set_state(pipeline.get(), GST_STATE_NULL);
   output.commit();
@@ -58,20 +59,21 @@ make_new(int argc, char **argv)
   gint side = kSide;
   const GOptionEntry entries[] = {
     { "film", 'f', 0, G_OPTION_ARG_FILENAME, &film.value,
-      "The third film, of the real world (default: FOLDER/films/real-world.mkv, which you provide)",
+      N_("The third film, of the real world (default: FOLDER/films/real-world.mkv, which you "
+         "provide)"),
       "FILE" },
     { "length", 'l', 0, G_OPTION_ARG_INT, &seconds,
-      "Length of the synthetic films in s, 1 to 600 (default: 60)", "S" },
+      N_("Length of the synthetic films in s, 1 to 600 (default: 60)"), "S" },
     { "side", 0, 0, G_OPTION_ARG_INT, &side,
-      "Width and height of the synthetic films, 64 to 2160 pixels (default: 1000)", "PIXELS" },
+      N_("Width and height of the synthetic films, 64 to 2160 pixels (default: 1000)"), "PIXELS" },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Makes the folder of a study: study.ini, which you edit, films of "
-                   "tactiletestsrc, and the\npaper's results. Without edits, the study is that of "
-                   "Kim, Lee, Choi 2012, Section 5.\nExisting files are never replaced.",
+        .summary = N_("Makes the folder of a study: study.ini, which you edit, films of "
+                      "tactiletestsrc, and the\npaper's results. Without edits, the study is that "
+                      "of Kim, Lee, Choi 2012, Section 5.\nExisting files are never replaced."),
         .least = 1,
         .most = 1 });
   expect_range("--length", seconds, 1, 600);
@@ -89,9 +91,10 @@ make_new(int argc, char **argv)
   make_film(films, "dynamic-motion.mkv", "dynamic-motion", seconds, 1, side);
   make_film(films, "practice.mkv", "static-motion", std::min(seconds, kPracticeSeconds), 2, side);
   if (!common.quiet)
-    std::printf(
-        "written: %s/study.ini\n%sEdit it, then start: visuotactile-study run %s\n", folder.c_str(),
-        film.is_set() ? "" : ("The third film is yours: " + folder + "/" + third + "\n").c_str(),
-        folder.c_str());
+    std::printf(_("written: %s/study.ini\n%sEdit it, then start: visuotactile-study run %s\n"),
+                folder.c_str(),
+                film.is_set() ? ""
+                              : ("The third film is yours: " + folder + "/" + third + "\n").c_str(),
+                folder.c_str());
   return 0;
 }

@@ -8,7 +8,9 @@
 #include "film/device_list.h"
 #include "film/known_driver.h"
 #include "film/or_throw.h"
+#include "translation.h"
 #include "web/browser.h"
+#include "web/guard.h"
 #include "web/kept_tokens.h"
 #include "web/server.h"
 
@@ -50,13 +52,13 @@ expect_films(const study::Folder &folder, const study::Settings &overrides,
     add_defaults(settings, defaults);
     const std::string &film = settings["film"];
     if (film.empty())
-      throw std::runtime_error("study.ini: expected film=FILE in [settings] or in a level of each "
-                               "session");
+      throw std::runtime_error(
+          _("study.ini: expected film=FILE in [settings] or in a level of each session"));
     const std::string path = folder.film(film);
     std::error_code error;
     if (!std::filesystem::exists(path, error))
-      throw std::runtime_error("there is no film '" + path
-                               + "'; put one there, or name another in study.ini");
+      throw std::runtime_error(
+          in_text("there is no film '{}'; put one there, or name another in study.ini", path));
     expect_playable(path, settings);
   }
 }
@@ -73,14 +75,14 @@ chosen_screen(const TextOption &name, bool is_quiet)
   const auto found
       = name.is_set() ? std::ranges::find(all, name.text(), &Monitor::name) : all.begin();
   if (found == all.end() && name.is_set())
-    throw UsageError("expected --screen=NAME of " + (names.empty() ? "an X server" : names)
-                     + ", got '" + name.text() + "'");
+    throw UsageError(in_text("expected --screen=NAME of {}, got '{}'",
+                             (names.empty() ? "an X server" : names), name.text()));
   if (found == all.end()) {
-    print_error(kProgram, "there is no X server: films have a window of their own size");
+    print_error(kProgram, _("there is no X server: films have a window of their own size"));
     return {};
   }
   if (!is_quiet)
-    std::fprintf(stderr, "Films cover the screen %s, %d x %d, of: %s.\n", found->name.c_str(),
+    std::fprintf(stderr, _("Films cover the screen %s, %d x %d, of: %s.\n"), found->name.c_str(),
                  found->width, found->height, names.c_str());
   return *found;
 }
@@ -98,26 +100,28 @@ run_study(int argc, char **argv)
   gboolean no_window = FALSE;
   const GOptionEntry entries[] = {
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of tactorsink in all sessions, or audio (default: the study's, else auto)", "NAME" },
+      N_("Driver of tactorsink in all sessions, or audio (default: the study's, else auto)"),
+      "NAME" },
     { "screen", 's', 0, G_OPTION_ARG_STRING, &screen_name.value,
-      "Monitor of the participant, which films cover (default: the primary one)", "NAME" },
+      N_("Monitor of the participant, which films cover (default: the primary one)"), "NAME" },
     { "port", 0, 0, G_OPTION_ARG_INT, &port,
-      "Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this study, or any free one",
+      N_("Port of 127.0.0.1, 0 to 65535; 0 (default): the usual one of this study, or any free "
+         "one"),
       "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &no_browser,
-      "Open no browser: only print the addresses", nullptr },
+      N_("Open no browser: only print the addresses"), nullptr },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &no_window,
-      "Show no film and play no sound, to try a study", nullptr },
+      N_("Show no film and play no sound, to try a study"), nullptr },
     {},
   };
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, common,
       { .arguments = "FOLDER",
-        .summary = "Serves a study on 127.0.0.1 and prints two addresses: the participant's page, "
-                   "and the\npage on which the experimenter starts each participant. Each answer "
-                   "is on the disk before\nthe next page; an interrupted session continues at the "
-                   "same page. Films cover a whole\nscreen; Escape or Q stops a film. Ctrl-C ends "
-                   "the server, with all motors at zero.",
+        .summary = N_("Serves a study on 127.0.0.1 and prints two addresses: the participant's "
+                      "page, and the\npage on which the experimenter starts each participant. Each "
+                      "answer is on the disk before\nthe next page; an interrupted session "
+                      "continues at the same page. Films cover a whole\nscreen; Escape or Q stops "
+                      "a film. Ctrl-C ends the server, with all motors at zero."),
         .least = 1,
         .most = 1 });
   expect_range("--port", port, 0, kHighestPort);
@@ -127,7 +131,8 @@ run_study(int argc, char **argv)
   const std::string page = set ? set : STUDY_PAGE;
   std::error_code error;
   if (!std::filesystem::exists(page + "/index.html", error))
-    throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
+    throw std::runtime_error(
+        in_text("there is no page in '{}'; install visuotactile completely", page));
   const auto folder = or_throw(study::Folder::open(arguments[0], study::Folder::Use::writes));
   print_damaged(kProgram, *folder);
   study::Settings overrides;
@@ -147,14 +152,21 @@ run_study(int argc, char **argv)
   }
   const bool window = !no_window && can_show_films();
   if (!window && !no_window)
-    print_error(kProgram, "there is no display: films are played, but not shown");
+    print_error(kProgram, _("there is no display: films are played, but not shown"));
   std::optional<Monitor> screen;
   if (window)
     screen = chosen_screen(screen_name, common.quiet);
 
   // They stay: a page that is open when the program ends finds the next one at the same address,
   // and gives it the answer that it has kept.
-  const std::vector<std::string> secrets = or_throw(kept_tokens(folder->data(".pages"), 2));
+  auto kept = kept_tokens(folder->data(".pages"), 2);
+  if (!kept)
+    print_error(kProgram,
+                in_text("the pages have other addresses at the next start: {}; keep data of "
+                        "people on a file system with permissions",
+                        kept.error()));
+  const std::vector<std::string> secrets
+      = kept ? *std::move(kept) : std::vector{ random_token(), random_token() };
   const std::string experimenter_path = secrets[1] + "/";
   StudySite site(*folder, { .page = page,
                             .experimenter = experimenter_path,
@@ -185,9 +197,10 @@ run_study(int argc, char **argv)
     for (const auto &[browser, path] : { std::pair{ &participant, std::string() },
                                          std::pair{ &experimenter, experimenter_path } })
       if (const std::string why = browser->open(server.address() + path); !why.empty())
-        print_error(kProgram, "no browser could be opened: " + why + "; open the addresses above");
+        print_error(kProgram,
+                    in_text("no browser could be opened: {}; open the addresses above", why));
   if (!common.quiet)
-    std::fprintf(stderr, "Ctrl-C ends the study's server; the answers are in '%s'.\n",
+    std::fprintf(stderr, _("Ctrl-C ends the study's server; the answers are in '%s'.\n"),
                  folder->data("").c_str());
   run_until_signal();
   return 0;

@@ -3,7 +3,7 @@
 
 #include "house/missing.h"
 #include "house/switches.h"
-#include "house/translation.h"
+#include "translation.h"
 
 #include <algorithm>
 #include <array>
@@ -325,8 +325,8 @@ ChairPage::show_motors()
   if (shown == shown_)
     return;
   shown_ = shown;
-  gtk_label_set_text(GTK_LABEL(felt_), _("Sit down, and start. A motor in the picture is felt "
-                                         "alone."));
+  gtk_label_set_text(GTK_LABEL(felt_),
+                     _("Sit down, and start. A motor in the picture is felt alone."));
   if (!has_grid(setting(now, "driver", "auto"))) {
     picture_.show_none();
     return;
@@ -367,7 +367,8 @@ ChairPage::start_test()
   tested_ = Command::start(std::move(arguments),
                            { .line =
                                  [this, number](const std::string &line) {
-                                   const bool is_motor = !line.starts_with("simulated");
+                                   const bool is_motor
+                                       = line != _("simulated, as the driver is the simulator");
                                    const std::string shown = is_motor
                                                                  ? picture_.light((*number)++, line)
                                                                  : _("The motors are simulated.");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "chair_picture.h"
 
-#include "house/translation.h"
+#include "translation.h"
 
 namespace {
 

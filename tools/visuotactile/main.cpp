@@ -4,7 +4,7 @@
 #include "window.h"
 
 #include "film/command_line.h"
-#include "house/translation.h"
+#include "translation.h"
 
 #include <glib-unix.h>
 #include <gst/gst.h>
@@ -21,14 +21,14 @@ run(int argc, char **argv)
   gboolean version = FALSE;
   CommonOptions common;
   const GOptionEntry entries[] = {
-    { "version", 0, 0, G_OPTION_ARG_NONE, &version, _("Print the version and exit"), nullptr }, {}
+    { "version", 0, 0, G_OPTION_ARG_NONE, &version, N_("Print the version and exit"), nullptr }, {}
   };
   const std::vector<std::string> films = parse_options(
       argc, argv, entries, common,
       { .arguments = "[FILM]",
-        .summary = _("A window with the devices, the feel test, the settings and the players of "
-                     "the chair.\nEach of its buttons runs a command: visuotactile-settings, "
-                     "visuotactile-play or\ntactile-track."),
+        .summary = N_("A window with the devices, the feel test, the settings and the players of "
+                      "the chair.\nEach of its buttons runs a command: visuotactile-settings, "
+                      "visuotactile-play or\ntactile-track."),
         .least = 0,
         .most = 1,
         .group = gst_init_get_option_group() });
@@ -70,15 +70,13 @@ run(int argc, char **argv)
 int
 main(int argc, char **argv)
 {
-  use_translations();
-  textdomain(PACKAGE);
   try {
     return run(argc, argv);
   } catch (const Help &help) {
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const UsageError &error) {
-    print_error("visuotactile", std::string(error.what()) + "; see --help");
+    print_error("visuotactile", in_text("{}; see --help", error.what()));
     return 2;
   }
 }

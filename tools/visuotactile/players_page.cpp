@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "players_page.h"
 
-#include "house/translation.h"
+#include "translation.h"
 
 PlayersPage::PlayersPage(const Shared &shared) : shared_(shared)
 {
   add(page_, heading(_("Players")));
-  add(page_, text_label(_("Films in these programs are felt from their next start on.")));
+  add(page_,
+      text_label(
+          _("Films in the chosen programs are felt. Restart programs that are already open.")));
   gtk_list_box_set_selection_mode(GTK_LIST_BOX(list_), GTK_SELECTION_NONE);
   gtk_widget_add_css_class(list_, "boxed-list");
   name(list_, _("Players"));

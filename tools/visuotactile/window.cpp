@@ -8,7 +8,7 @@
 
 #include "chair/settings_file.h"
 #include "chair/settings_watch.h"
-#include "house/translation.h"
+#include "translation.h"
 
 #include <deque>
 #include <memory>

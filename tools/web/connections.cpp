@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "connections.h"
+#include "translation.h"
 
 #include <limits>
 #include <stdexcept>
@@ -24,8 +25,8 @@ Connections::Connections(SoupServer *server, guint16 port, guint16 usual) : serv
 {
   g_autoptr(GError) error = nullptr;
   if (!(port == 0 && listen(server_, usual, nullptr)) && !listen(server_, port, &error))
-    throw std::runtime_error("--port=" + std::to_string(port) + ": " + error->message
-                             + "; give another, or none");
+    throw std::runtime_error(
+        in_text("--port={}: {}; give another, or none", std::to_string(port), error->message));
   GSList *addresses = soup_server_get_uris(server_);
   port_ = static_cast<guint16>(g_uri_get_port(static_cast<GUri *>(addresses->data)));
   g_slist_free_full(addresses, reinterpret_cast<GDestroyNotify>(g_uri_unref));

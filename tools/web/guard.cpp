@@ -2,6 +2,7 @@
 #include "guard.h"
 
 #include "soup.h"
+#include "translation.h"
 
 #include <array>
 #include <cstdio>
@@ -67,7 +68,7 @@ random_token()
 {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the system has no random numbers");
+    throw std::runtime_error(_("the system has no random numbers"));
   std::string text;
   for (const unsigned byte : bytes) {
     std::array<char, 3> hex{};

@@ -4,6 +4,7 @@
 #include "guard.h"
 
 #include "files/whole_file.h"
+#include "translation.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -54,7 +55,11 @@ kept_tokens(const std::string &file, std::size_t count)
   std::string text;
   for (std::size_t i = 0; i < count; i++)
     text += tokens.emplace_back(random_token()) + "\n";
-  return files::replace_file(file, text, files::Readers::user).map([&](const std::string &) {
-    return std::move(tokens);
-  });
+  if (const auto written = files::replace_file(file, text, files::Readers::user); !written)
+    return tl::unexpected(written.error());
+  if (const auto own = files::open_regular(file); own && is_private(*own))
+    return tokens;
+  unlink(file.c_str());
+  return tl::unexpected(
+      in_text("others can read '{}', as its file system has no permissions", file));
 }

@@ -9,6 +9,7 @@
 #include <gio/gunixsocketaddress.h>
 #include <sys/un.h>
 
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -18,7 +19,7 @@ namespace {
 
 using Error = tl::unexpected<std::string>;
 
-constexpr guint kAskEvery = 60; ///< ms
+constexpr Time kAskAfter = std::chrono::milliseconds(90);
 
 class MpvPlayer : public Player
 {
@@ -45,19 +46,28 @@ public:
                                       .gone = events_.gone });
     if (const std::string wrong = socket_->send(MpvConversation::questions()); !wrong.empty())
       return Error(wrong);
-    timer_ = g_timeout_add(
-        kAskEvery,
+    static GSourceFuncs timer{ .dispatch
+                               = +[](GSource *, GSourceFunc ask, gpointer self) -> gboolean {
+      return ask(self);
+    } };
+    timer_ = g_source_new(&timer, sizeof(GSource));
+    g_source_set_ready_time(timer_, -1);
+    g_source_set_callback(
+        timer_,
         +[](gpointer self) -> gboolean {
           static_cast<MpvPlayer *>(self)->ask_for_life();
           return G_SOURCE_CONTINUE;
         },
-        this);
+        this, nullptr);
+    g_source_attach(timer_, g_main_context_get_thread_default());
     return {};
   }
   ~MpvPlayer() override
   {
-    if (timer_ != 0)
-      g_source_remove(timer_);
+    if (timer_ != nullptr) {
+      g_source_destroy(timer_);
+      g_source_unref(timer_);
+    }
   }
   MpvPlayer(const MpvPlayer &) = delete;
   MpvPlayer &operator=(const MpvPlayer &) = delete;
@@ -77,22 +87,22 @@ private:
     if (!lines_.add(bytes))
       return gone("expected lines of at most " + std::to_string(LineBuffer::kLongestLine)
                   + " bytes");
-    received_ = true;
-    queried_ = false;
     while (const std::optional<std::string> line = lines_.next()) {
       if (socket_->is_flood(now))
         return gone(PlayerSocket::flood());
       if (const std::optional<Report> report = conversation_.received(*line, now))
         events_.reported(*report);
     }
+    const auto at = std::chrono::duration_cast<std::chrono::microseconds>(now + kAskAfter);
+    g_source_set_ready_time(timer_, conversation_.plays() ? at.count() : -1);
     return true;
   }
 
   /// Where frames are far apart, nothing comes for long.
   void ask_for_life()
   {
-    if (conversation_.plays() && !std::exchange(received_, false) && !std::exchange(queried_, true))
-      socket_->send(MpvConversation::life_sign());
+    g_source_set_ready_time(timer_, -1); // the answer sets it again
+    socket_->send(MpvConversation::life_sign());
   }
 
   bool gone(const std::string &why)
@@ -105,9 +115,7 @@ private:
   const PlayerEvents events_;
   LineBuffer lines_;
   MpvConversation conversation_;
-  guint timer_ = 0;
-  bool received_ = false; ///< something since the timer was here
-  bool queried_ = false;  ///< a query awaits its answer
+  GSource *timer_ = nullptr; ///< since the last bytes
   std::optional<PlayerSocket> socket_;
 };
 

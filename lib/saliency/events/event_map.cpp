@@ -4,8 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saliency {
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "saliency/events/event_map.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
+#include "frame/vectors-inl.h"
+
+#ifndef SALIENCY_EVENT_MAP_ONCE
+#define SALIENCY_EVENT_MAP_ONCE
+namespace saliency {
 namespace {
 
 constexpr double kLag = 2.4;           ///< frames at 30 fps between the compared pictures
@@ -34,6 +42,123 @@ constexpr double kUnitsOfWidth = 160;
 constexpr double kTravel = 20;        ///< per sample of misfit
 constexpr double kLeastMisfit = 0.08; ///< samples
 constexpr double kLeastWay = 0.3;     ///< in these units: a camera that travels
+
+} // namespace
+} // namespace saliency
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace saliency::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D>
+HWY_INLINE float
+greatest(D d, hn::Vec<D> values)
+{
+  return hn::GetLane(hn::MaxOfLanes(d, values));
+}
+
+/// Limits the change around each sample, and lowers it where `gone`, the contrast then, has gone.
+void
+weigh_onsets(const float *around, const float *contrast, const float *gone, std::size_t n,
+             float *map)
+{
+  cover<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto least = hn::Set(d, kLeast);
+    const auto before = hn::Mul(hn::Set(d, kGone), hn::LoadU(d, gone + i));
+    const auto left = hn::Sub(hn::Add(hn::LoadU(d, contrast + i), least), before);
+    const auto share
+        = hn::Min(hn::Max(hn::Div(left, hn::Add(before, least)), hn::Zero(d)), hn::Set(d, 1.0F));
+    const auto change = hn::Min(hn::Set(d, kMost), hn::LoadU(d, around + i));
+    hn::StoreU(hn::Mul(change, share), d, map + i);
+  });
+}
+
+/// out[x] = Σ weights[i] · in[x + i · step], in this order.
+void
+weighted(const float *in, std::ptrdiff_t step, const float *weights, int count, std::size_t n,
+         float *out)
+{
+  cover<float>(n, [&](auto d, std::size_t x) HWY_ATTR {
+    auto sum = hn::Zero(d);
+    for (int i = 0; i < count; ++i)
+      sum = hn::Add(sum, hn::Mul(hn::Set(d, weights[i]), hn::LoadU(d, in + x + i * step)));
+    hn::StoreU(sum, d, out + x);
+  });
+}
+
+void
+weigh_coherence(const float *brighter, const float *darker, const float *inside,
+                const float *around, float weight, std::size_t n, float *map)
+{
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto one = hn::Set(d, 1.0F);
+    const auto rises = hn::LoadU(d, brighter + i);
+    const auto falls = hn::LoadU(d, darker + i);
+    const auto within = hn::LoadU(d, inside + i);
+    const auto all = hn::LoadU(d, around + i);
+    const auto opposite = hn::Add(hn::Mul(hn::Mul(within, hn::Set(d, 2.0F)), hn::Min(rises, falls)),
+                                  hn::Mul(hn::Sub(one, within), hn::Add(rises, falls)));
+    const auto beyond = hn::Sub(hn::Div(opposite, all), hn::Set(d, kOpposite));
+    const auto lost = hn::Mul(hn::Set(d, weight), hn::Min(one, hn::Mul(hn::Set(d, kLoss), beyond)));
+    const auto value = hn::LoadU(d, map + i);
+    const auto loses = hn::Gt(opposite, hn::Mul(hn::Set(d, kOpposite), all));
+    hn::StoreU(hn::IfThenElse(loses, hn::Mul(value, hn::Sub(one, lost)), value), d, map + i);
+  });
+}
+
+/// The strongest event now and the strongest one held.
+std::array<float, 2>
+hold(const float *now, float elapsed, std::size_t n, float *held, float *held_age)
+{
+  std::array<float, 2> most{};
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto present = hn::LoadU(d, now + i);
+    const auto past = hn::LoadU(d, held + i);
+    const auto age = hn::Add(hn::LoadU(d, held_age + i), hn::Set(d, elapsed));
+    const auto begins
+        = hn::Or(hn::Ge(present, past), hn::Gt(age, hn::Set(d, static_cast<float>(kHeld))));
+    const auto stronger = hn::IfThenElse(begins, present, past);
+    hn::StoreU(stronger, d, held + i);
+    hn::StoreU(hn::IfThenZeroElse(begins, age), d, held_age + i);
+    most = { std::max(most[0], greatest(d, present)), std::max(most[1], greatest(d, stronger)) };
+  });
+  return most;
+}
+
+/// The strongest event now, and the mean of it and its past.
+std::array<float, 2>
+settle(const float *now, float keeps, float scale, std::size_t n, float *slow, float *map)
+{
+  std::array<float, 2> most{};
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto half = hn::Set(d, 0.5F);
+    const auto present = hn::LoadU(d, now + i);
+    const auto past
+        = hn::Add(present, hn::Mul(hn::Set(d, keeps), hn::Sub(hn::LoadU(d, slow + i), present)));
+    const auto sum = hn::Add(present, past);
+    hn::StoreU(past, d, slow + i);
+    hn::StoreU(hn::Mul(hn::Mul(hn::Set(d, scale), sum), half), d, map + i);
+    most = { std::max(most[0], greatest(d, present)),
+             std::max(most[1], greatest(d, hn::Mul(sum, half))) };
+  });
+  return most;
+}
+
+} // namespace saliency::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace saliency {
+
+HWY_EXPORT(weigh_onsets);
+HWY_EXPORT(weighted);
+HWY_EXPORT(weigh_coherence);
+HWY_EXPORT(hold);
+HWY_EXPORT(settle);
+
+namespace {
 
 /// cv::Mat::setTo allocates.
 void
@@ -128,21 +253,29 @@ EventMap::picture_before(double lag) const
   return best;
 }
 
-/// Lowers the difference that a thing leaves when it has gone, which is where little contrast is
-/// left.
+/// Limits the change, and lowers the difference that a thing leaves when it has gone, which is
+/// where little contrast is left.
 void
 EventMap::weigh_onsets(const Look &look, const Picture &then, const Similarity &before,
                        cv::Mat &map)
 {
-  const Similarity back = before.in_units_of(std::ldexp(1.0, look.octaves));
-  for (int y = 0; y < map.rows; ++y)
-    for (int x = 0; x < map.cols; ++x) {
-      const int px = std::clamp(static_cast<int>(std::lround(back.x(x, y))), 0, map.cols - 1);
-      const int py = std::clamp(static_cast<int>(std::lround(back.y(x, y))), 0, map.rows - 1);
-      const float gone = kGone * then.contrast.ptr<float>(py)[px];
-      const float left = look.contrast.ptr<float>(y)[x] + kLeast - gone;
-      map.ptr<float>(y)[x] *= std::clamp(left / (gone + kLeast), 0.0F, 1.0F);
-    }
+  map.create(look.contrast.size(), CV_32FC1);
+  const cv::Mat *gone = &then.contrast;
+  if (before != Similarity{}) {
+    gone_.create(map.size(), CV_32FC1);
+    gone = &gone_;
+    const Similarity back = before.in_units_of(std::ldexp(1.0, look.octaves));
+    const auto place = [](double position, int length) {
+      return static_cast<int>(std::clamp(position + 0.5, 0.0, length - 0.5));
+    };
+    for (int y = 0; y < map.rows; ++y)
+      for (int x = 0; x < map.cols; ++x)
+        gone_.ptr<float>(y)[x] = then.contrast.ptr<float>(
+            place(back.y(x, y), map.rows))[place(back.x(x, y), map.cols)];
+  }
+  HWY_DYNAMIC_DISPATCH(weigh_onsets)
+  (around_.ptr<float>(), look.contrast.ptr<float>(), gone->ptr<float>(), map.total(),
+   map.ptr<float>());
 }
 
 int
@@ -151,7 +284,7 @@ EventMap::reach(cv::Size map)
   return static_cast<int>(std::ceil(2.5 * blur_sigma(map)));
 }
 
-/// Gaussian, with nothing outside. Most of a map is 0.
+/// Gaussian, with nothing outside.
 void
 EventMap::blur(double sigma, cv::Mat &map)
 {
@@ -165,35 +298,21 @@ EventMap::blur(double sigma, cv::Mat &map)
     for (int i = -reach; i <= reach; ++i)
       weights_.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum));
   }
-  clear(map.size(), along_rows_);
-  rows_.assign(static_cast<std::size_t>(map.rows), {});
+  const auto width = static_cast<std::size_t>(map.cols);
+  padded_.assign(width + 2 * static_cast<std::size_t>(reach), 0);
+  along_rows_.create(map.size(), CV_32FC1);
   for (int y = 0; y < map.rows; ++y) {
-    const auto *in = map.ptr<float>(y);
-    const auto *end = in + map.cols;
-    const int first = static_cast<int>(std::find_if(in, end, [](float v) { return v != 0; }) - in);
-    int last = map.cols; // of the samples that are not 0, plus one
-    while (last > first && in[last - 1] == 0)
-      --last;
-    auto *out = along_rows_.ptr<float>(y);
-    for (int i = -reach; first < last && i <= reach; ++i) {
-      const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      for (int x = std::max(0, first - i); x < std::min(map.cols, last - i); ++x)
-        out[x] += weight * in[x + i];
-    }
-    if (first < last)
-      rows_[static_cast<std::size_t>(y)]
-          = { std::max(0, first - reach), std::min(map.cols, last + reach) };
+    std::copy_n(map.ptr<float>(y), width, padded_.data() + reach);
+    HWY_DYNAMIC_DISPATCH(weighted)
+    (padded_.data(), 1, weights_.data(), 2 * reach + 1, width, along_rows_.ptr<float>(y));
   }
-  clear(map.size(), map);
   for (int y = 0; y < map.rows; ++y) {
-    const auto *in = along_rows_.ptr<float>(y);
-    const cv::Range row = rows_[static_cast<std::size_t>(y)];
-    for (int i = std::max(-reach, -y); i <= std::min(reach, map.rows - 1 - y); ++i) {
-      const float weight = weights_[static_cast<std::size_t>(i + reach)];
-      auto *out = map.ptr<float>(y + i);
-      for (int x = row.start; x < row.end; ++x)
-        out[x] += weight * in[x];
-    }
+    const int first = std::max(0, y - reach);
+    const int last = std::min(map.rows - 1, y + reach);
+    HWY_DYNAMIC_DISPATCH(weighted)
+    (along_rows_.ptr<float>(first), map.cols,
+     &weights_[static_cast<std::size_t>(first - y + reach)], last - first + 1, width,
+     map.ptr<float>(y));
   }
 }
 
@@ -234,16 +353,9 @@ EventMap::weigh_coherence(const Look &look, float weight, cv::Mat &map)
   }
   for (cv::Mat *part : { &around_, &brighter_, &darker_ })
     blur(sigma, *part);
-  for (std::size_t i = 0; i < map.total(); ++i) {
-    const float brighter = brighter_.ptr<float>()[i];
-    const float darker = darker_.ptr<float>()[i];
-    const float inside = inside_.ptr<float>()[i];
-    const float opposite
-        = inside * 2 * std::min(brighter, darker) + (1 - inside) * (brighter + darker);
-    const float all = around_.ptr<float>()[i];
-    if (opposite > kOpposite * all)
-      map.ptr<float>()[i] *= 1 - weight * std::min(1.0F, kLoss * (opposite / all - kOpposite));
-  }
+  HWY_DYNAMIC_DISPATCH(weigh_coherence)
+  (brighter_.ptr<float>(), darker_.ptr<float>(), inside_.ptr<float>(), around_.ptr<float>(), weight,
+   map.total(), map.ptr<float>());
 }
 
 /// Things that appeared since `then`, in ΔE.
@@ -251,9 +363,6 @@ void
 EventMap::compare(const Look &look, const Picture &then, const Similarity &before, cv::Mat &map)
 {
   pool(unexplained_(look.picture, then.lab, before), look.octaves, around_);
-  map.create(look.contrast.size(), CV_32FC1);
-  for (std::size_t i = 0; i < map.total(); ++i)
-    map.ptr<float>()[i] = std::min(kMost, around_.ptr<float>()[i]);
   weigh_onsets(look, then, before, map);
   // Errors of the camera's motion have both signs, too.
   if (const double way = displacement(before, look.picture.size()); way < kLeastWay)
@@ -266,20 +375,10 @@ EventMap::compare(const Look &look, const Picture &then, const Similarity &befor
 void
 EventMap::hold_onsets(const Look &look)
 {
-  float strongest = 0;
-  most_held_ = 0;
-  for (std::size_t i = 0; i < now_.total(); ++i) {
-    const float now = now_.ptr<float>()[i];
-    float &held = held_.ptr<float>()[i];
-    float &age = held_age_.ptr<float>()[i];
-    age += static_cast<float>(look.elapsed);
-    if (now >= held || static_cast<double>(age) > kHeld) {
-      held = now;
-      age = 0;
-    }
-    strongest = std::max(strongest, now);
-    most_held_ = std::max(most_held_, held);
-  }
+  const auto [strongest, most_held]
+      = HWY_DYNAMIC_DISPATCH(hold)(now_.ptr<float>(), static_cast<float>(look.elapsed),
+                                   now_.total(), held_.ptr<float>(), held_age_.ptr<float>());
+  most_held_ = most_held;
   const float alone = 1 - strongest / kAlone;
   if (alone <= 0 || most_held_ <= strongest)
     return;
@@ -288,7 +387,7 @@ EventMap::hold_onsets(const Look &look)
   if (displacement(before, look.picture.size()) >= kLeastWay)
     return;
   compare(look, then, before, since_);
-  for (std::size_t i = 0; i < now_.total(); ++i) {
+  for (std::size_t i = 0, total = now_.total(); i < total; ++i) {
     const float fades = static_cast<float>(kFades / kHeld) * held_age_.ptr<float>()[i];
     float &now = now_.ptr<float>()[i];
     now = std::max(now,
@@ -327,16 +426,9 @@ const cv::Mat &
 EventMap::settle(float scale, bool rests, double elapsed)
 {
   const auto keeps = static_cast<float>(std::exp2(-elapsed / kSmoothing));
-  float most = 0;
-  change_ = 0;
-  for (std::size_t i = 0; i < now_.total(); ++i) {
-    const float now = now_.ptr<float>()[i];
-    float &slow = slow_.ptr<float>()[i];
-    slow = now + keeps * (slow - now);
-    map_.ptr<float>()[i] = scale * (now + slow) / 2;
-    most = std::max(most, now);
-    change_ = std::max(change_, (now + slow) / 2);
-  }
+  const auto [most, change] = HWY_DYNAMIC_DISPATCH(settle)(
+      now_.ptr<float>(), keeps, scale, now_.total(), slow_.ptr<float>(), map_.ptr<float>());
+  change_ = change;
   if (rests)
     noise_.subtract(map_, elapsed);
   else
@@ -346,3 +438,4 @@ EventMap::settle(float scale, bool rests, double elapsed)
 }
 
 } // namespace saliency
+#endif

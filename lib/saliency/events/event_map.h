@@ -99,12 +99,13 @@ private:
   cv::Mat around_; ///< the change around each sample, and the shares of lightness in it
   cv::Mat brighter_;
   cv::Mat darker_;
+  cv::Mat gone_;   ///< the contrast then, at its place now
   cv::Mat inside_; ///< the part of the surroundings within the picture
   float change_ = 0;
   double sigma_ = 0; ///< of the weights, in samples
   std::vector<float> weights_;
   cv::Mat along_rows_;
-  std::vector<cv::Range> rows_; ///< the part of each row that is not 0
+  std::vector<float> padded_; ///< a row with nothing on both sides
   cv::Mat now_;
   cv::Mat held_;     ///< the strongest event of the last half second
   cv::Mat held_age_; ///< its age, in frames at 30 fps

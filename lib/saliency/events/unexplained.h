@@ -42,9 +42,11 @@ private:
   void align(const LabImage &then, const Similarity &before);
   void find_exposure(const cv::Mat &now);
   void find_gradients(const cv::Mat &now);
+  bool has_texture();
 
   std::array<cv::Mat, 3> warped_;
   std::array<cv::Mat, 3> then_; ///< aligned with now: warped or not; NaN outside
+  std::vector<double> columns_; ///< sums of a row of blocks: now, then, count
   float gain_ = 1;
   float offset_ = 0;
   cv::Mat gradients_; ///< the larger of both pictures'
@@ -53,6 +55,7 @@ private:
   cv::Mat difference_;
   std::vector<float> even_;
   std::vector<float> textured_;
+  std::vector<float> counts_; ///< of textured samples, by column
   float misfit_ = 0;
   cv::Mat beyond_;
 };

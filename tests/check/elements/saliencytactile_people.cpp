@@ -93,7 +93,8 @@ constexpr const char *kNowhere = "/nowhere";
 /// A drawn face is found. At rest it is not felt, and once it talks it is, at its cell.
 CHECK_TEST(test_talking_head)
 {
-  for (const char *line : { "saliencytactile people=fast", "saliencytactile people=thorough" }) {
+  for (const char *line :
+       { "saliencytactile", "saliencytactile people=fast", "saliencytactile people=thorough" }) {
     Film film(line);
     fail_unless(film.play(60, false) == 0);
     ck_assert_uint_eq(film.stat("faces"), 1);
@@ -106,10 +107,24 @@ CHECK_TEST(test_talking_head)
   }
 }
 
+/// A picture without faces that shows nothing new is not analyzed again; a face may begin to talk.
+CHECK_TEST(test_rest)
+{
+  for (const bool face : { false, true }) {
+    Film film("saliencytactile");
+    for (int i = 0; i < 60; i++)
+      film.show(0, face);
+    if (face)
+      ck_assert_uint_gt(film.stat("analyzed"), 50);
+    else
+      ck_assert_uint_lt(film.stat("analyzed"), 30);
+  }
+}
+
 /// Without people the same film is hardly felt, and stats have no looks.
 CHECK_TEST(test_off)
 {
-  Film film("saliencytactile");
+  Film film("saliencytactile people=off");
   film.play(60, false);
   film.play(60, true);
   ck_assert_uint_eq(film.stat("looks"), 0);
@@ -163,7 +178,7 @@ CHECK_TEST(test_missing)
 {
   for (const char *variable : { "VISUOTACTILE_CASCADES", "VISUOTACTILE_MODULES" }) {
     g_setenv(variable, kNowhere, TRUE);
-    Film film;
+    Film film("saliencytactile people=fast skip-unchanged=false");
     film.play(60, false);
     const Said said = film.messages.said(GST_MESSAGE_WARNING);
     fail_unless(said.text.find(kNowhere) != std::string::npos, "%s", said.text.c_str());
@@ -172,6 +187,11 @@ CHECK_TEST(test_missing)
       film.show(i % 2);
     fail_if(film.messages.has(GST_MESSAGE_WARNING));
     ck_assert_uint_eq(film.stat("analyzed"), 120);
+    // Where nobody has asked for faces, nothing is missing.
+    Film automatic("saliencytactile");
+    automatic.play(60, false);
+    fail_if(automatic.messages.has(GST_MESSAGE_WARNING));
+    ck_assert_uint_eq(automatic.stat("faces"), 0);
   }
 }
 
@@ -179,7 +199,7 @@ CHECK_TEST(test_missing)
 CHECK_TEST(test_out_of_memory)
 {
   g_setenv("VISUOTACTILE_MODULES", THROWING_MODULES, TRUE);
-  Film film;
+  Film film("saliencytactile people=fast skip-unchanged=false");
   film.play(60, false);
   const Said said = film.messages.said(GST_MESSAGE_WARNING);
   fail_unless(said.text == "Faces are not detected: out of memory.", "%s", said.text.c_str());
@@ -192,8 +212,8 @@ CHECK_TEST(test_out_of_memory)
 /// It is switched on, off and to another effort while the film plays.
 CHECK_TEST(test_changes)
 {
-  const char *const modes[] = { "fast", "off", "thorough", "fast" };
-  Film film("saliencytactile");
+  const char *const modes[] = { "fast", "off", "thorough", "auto" };
+  Film film("saliencytactile people=off");
   for (const char *mode : modes) {
     film.set("people", mode);
     film.play(45, false);

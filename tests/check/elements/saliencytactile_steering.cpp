@@ -28,7 +28,8 @@ std::vector<gfloat>
 squares_with_regions(const char *weights, const char *left_type, const char *right_type,
                      GstBuffer **last = nullptr)
 {
-  g_autofree gchar *line = g_strdup_printf("saliencytactile attach-saliency=true %s", weights);
+  g_autofree gchar *line
+      = g_strdup_printf("saliencytactile people=off attach-saliency=true %s", weights);
   Analysis analysis(line, kCaps);
   const Paint two = both(square(53, 120, 24), square(267, 120, 24));
   std::vector<gfloat> levels;
@@ -208,8 +209,8 @@ CHECK_TEST(test_face_detector)
     };
   };
   const auto play = [&](const char *weights, const std::function<void(GstBuffer *)> &each) {
-    g_autofree gchar *line
-        = g_strdup_printf("facedetect display=false updates=none ! saliencytactile %s", weights);
+    g_autofree gchar *line = g_strdup_printf(
+        "facedetect display=false updates=none ! saliencytactile people=off %s", weights);
     Analysis analysis(line, kCaps);
     // Both appear and move along the diagonal, so both are felt to the end, and alike.
     for (guint i = 0; i < 30; i++) {

@@ -126,7 +126,7 @@ CHECK_TEST(wrong_values_are_told_and_the_others_kept)
     { "grid=3x65", "got '3x65'" },
     { "grid=3x-1", "got '3x-1'" },
     { "grid=3x3x3", "got '3x3x3'" },
-    { "people=maybe", "expected one of off, fast, thorough, got 'maybe'" },
+    { "people=maybe", "expected one of auto, off, fast, thorough, got 'maybe'" },
     { "people=off, fast", "got 'off, fast'" },
     { "calibration=chair.conf", "expected an absolute path, got 'chair.conf'" },
     { "driver=a\\nb", "expected text of one line" },

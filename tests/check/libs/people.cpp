@@ -119,11 +119,28 @@ CHECK_TEST(test_counts_after_two_looks)
   film.next();
   ck_assert_uint_eq(film.count(), 1);
   fail_unless(film.people.faces()[0] == cv::Rect2d(kFace));
-  // From then on a look each 0.4 s.
+  // From then on a look each 0.8 s.
   const std::size_t looks = film.faces.seen().size();
-  film.play(48);
+  film.play(96);
   ck_assert_uint_eq(film.faces.seen().size(), looks + 4);
   ck_assert_int_eq(film.people.statistics().faces, 1);
+}
+
+/// A picture in which nothing is new has no new face. What is new is looked at at once.
+CHECK_TEST(test_nothing_new)
+{
+  Film film;
+  film.faces.set({});
+  film.play(30);
+  film.found.unchanged = true;
+  film.play(1);
+  const std::size_t looks = film.faces.seen().size();
+  film.play(60);
+  ck_assert_uint_eq(film.faces.seen().size(), looks);
+  film.found.unchanged = false;
+  film.faces.set({ kFace });
+  film.play(13);
+  ck_assert_uint_eq(film.count(), 1);
 }
 
 /// Faces go 3 s after the last hit, at a cut at once, and what is found in the last shot does not
@@ -134,9 +151,9 @@ CHECK_TEST(test_faces_go)
   film.play(30);
   ck_assert_uint_eq(film.count(), 1);
   film.faces.set({});
-  film.play(75);
+  film.play(60);
   ck_assert_uint_eq(film.count(), 1);
-  film.play(30);
+  film.play(45);
   ck_assert_uint_eq(film.count(), 0);
 
   film.faces.set({ kFace });

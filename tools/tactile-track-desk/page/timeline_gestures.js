@@ -146,11 +146,22 @@ export class TimelineGestures {
     timeline.refresh();
   }
 
-  /** The nearest of playhead, shot cuts, impacts and the loop's edges, if one is near. */
+  /** Begins and ends of events around a time, but of those that are dragged. */
+  #edges(ms, near) {
+    const source = this.#drag?.source;
+    const isDragged = (cell, { start, end }) => source && (source.cells?.includes(cell) ?? true)
+      && start < source.to && end > source.from;
+    return [...this.#track.silence.keys()].flatMap((cell) =>
+      [...this.#track.events(cell, ms - near, ms + near)].filter((event) => !isDragged(cell, event))
+        .flatMap(({ start, end }) => [start, end]));
+  }
+
+  /** The nearest of playhead, shot cuts, impacts, edges of events and the loop's, if one is near. */
   #near(ms) {
     const { snap, view, cuts, impacts, playhead, loop } = this.timeline;
-    const near = snap ? SNAP * view.scale : -1;
-    const places = [playhead, nearest(cuts, ms), nearest(impacts, ms), loop?.from, loop?.to]
+    if (!snap) return undefined;
+    const near = SNAP * view.scale;
+    const places = [playhead, nearest(cuts, ms), nearest(impacts, ms), loop?.from, loop?.to, ...this.#edges(ms, near)]
       .filter((place) => place !== undefined && Math.abs(place - ms) <= near);
     return places.length ? Math.round(nearest(places.sort((a, b) => a - b), ms)) : undefined;
   }
