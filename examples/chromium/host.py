@@ -81,7 +81,7 @@ def author(file, track, told):
                     shown = share[0]
                     told(shown)
     os.close(own)
-    return process.returncode, line.strip()
+    return process.returncode, line.replace("\x1b[K", "").strip()
 
 
 def make(shown):
@@ -101,8 +101,8 @@ def make(shown):
     if not file:
         return "No file was chosen."
     send({"text": f"A track of “{file}” is being made …", "badge": "…"})
-    status, complaint = author(file, track, lambda share: send({"text": f"A track of “{file}” is being made: {share}", "badge": "…"}))
-    if status != 0:
+    end, complaint = author(file, track, lambda share: send({"text": f"A track of “{file}” is being made: {share}", "badge": "…"}))
+    if end != 0:
         raise RuntimeError(f"No track was made: {complaint or 'tactile-track failed'}")
     return f"“{film}” has a track now: {track}"
 

@@ -43,11 +43,13 @@ def take_film_window():
     while not player.stderr.readline().startswith("Playing"):
         pass
     window = subprocess.run(["xdotool", "search", "--sync", "--name", " of "], check=True, capture_output=True, text=True).stdout.split()[0]
-    for name, key in (("play", "m"), ("play-full", "f")):
+    title = lambda: subprocess.run(["xdotool", "getwindowname", window], check=True, capture_output=True, text=True).stdout
+    wait_until("the balls", lambda: "0:02 of" in title())
+    for name, key in (("play", "minus"), ("play-full", "f")):
         subprocess.run(["xdotool", "key", "--window", window, key], check=True)
         shape = lambda: dict(line.split("=") for line in subprocess.run(["xdotool", "getwindowgeometry", "--shell", window], check=True, capture_output=True, text=True).stdout.split())
         wait_until("the window", lambda: name == "play" or shape()["WIDTH"] == "1600")
-        subprocess.run(["gst-launch-1.0", "-q", "ximagesrc", f"xid={window}", "num-buffers=10", "!", "videoconvert", "!", "pngenc", "!", "multifilesink", f"location={folder}/{name}.png"], check=True)
+        picture(folder / f"{name}.png", int(shape()["WIDTH"]), int(shape()["HEIGHT"]))
     player.terminate()
 
 

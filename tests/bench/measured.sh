@@ -550,7 +550,8 @@ CAPTION
 
 Its channel for low frequency effects is silent, and nobody speaks.
 CAPTION
-      profiles "$clips"/{sintel-trailer,big-buck-bunny-5.1}.mp4 "$clips"/unseen/{explosion,cockatoo}.mp4
+      profiles "$clips"/{sintel-trailer,big-buck-bunny-5.1}.mp4 "$clips"/unseen/{explosion,cockatoo,moon,skyforce,mdn-{crystal,elf,monster},sintel-film-26s-848x480}.mp4 \
+        "$clips"/unseen/{fox.mkv,sintel-film-20s-854x480.mpg}
       ;;
     synth)
       head_of "Sound for shakers"

@@ -95,13 +95,13 @@ try:
         said = lambda: driver.find_element("id", "text").text
         wait_until("what is missing", lambda: "no track for “A film of mine”" in said())
         wait_until("the offer on the button", lambda: badge() == "+")
-        driver.execute_script("window.told = []; chrome.runtime.onMessage.addListener(({ text }) => { told.push(text); })")
+        driver.execute_script("window.told = []; chrome.runtime.onMessage.addListener(({ text }) => { told.push(text ?? ''); })")
         driver.find_element("id", "make").click()
         made = tracks / "A film of mine.vtt"
         wait_until("a track", lambda: made.exists() or "No track" in said())
         wait_until("the end", lambda: "has a track now" in said())
         told = driver.execute_script("return told")
-        assert "A track of" in told[0] and any(text.endswith("is being made: 37 %") for text in told), told
+        assert any(text.endswith("is being made: 37 %") for text in told), told
         subprocess.run([os.environ["TRACK"], "validate", made], check=True, timeout=LATEST, stdout=subprocess.DEVNULL)
         wait_until("the film to be felt", lambda: "A film of mine.vtt" in property_of(bus, "Track"))
         driver.refresh()
