@@ -13,6 +13,11 @@ namespace sound {
 class RumbleFeatures
 {
 public:
+  RumbleFeatures()
+  {
+    past_.fill(kSilenceDb);
+  }
+
   /// The first is the level below 65 Hz, in dB: it decides whether there is anything.
   enum Index
   {
@@ -26,6 +31,9 @@ public:
     busy,         ///< mean change of the octaves' levels in 20 ms, of 2 s
     varying,      ///< 10 times the relative variation of the amplitude below 65 Hz in 0.4 s
     over_seconds, ///< dB more below 65 Hz than in the last 2 s
+    jump,         ///< the largest rise within 0.2 s, dB; forgotten by 5 dB a second: wind has none
+    trend,        ///< the change within 0.4 s, dB
+    fallen,       ///< dB below the loudest, which is forgotten by 10 dB a second
     count,
   };
 
@@ -38,6 +46,7 @@ public:
   }
 
 private:
+  static constexpr double kSilenceDb = -70;
   static constexpr std::size_t kPart = 4;   ///< hops
   static constexpr std::size_t kParts = 20; ///< 0.4 s
 
@@ -50,6 +59,7 @@ private:
   };
 
   void follow_parts(const BandPowers &powers);
+  void follow_level(double db);
 
   Powers smooth_{};
   double voicing_ = 0;
@@ -58,7 +68,10 @@ private:
   double long_uneven_ = 0;
   double busy_ = 0;
   std::array<std::array<float, kBands>, 4> levels_{}; ///< of the last hops, dB
-  double seconds_ = -70;                              ///< dB
+  double seconds_ = kSilenceDb;
+  std::array<double, 80> past_; ///< dB of the last 0.4 s
+  double jump_ = 0;
+  double loudest_ = kSilenceDb;
   std::array<Part, kParts> parts_{};
   Part part_;
   std::size_t hops_ = 0;

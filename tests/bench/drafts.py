@@ -72,20 +72,24 @@ def cpu(pid):
 
 
 def watch(pid, service, event, from_here):
-    """Since a moment: when what plays was known first, and the share of a core in each second."""
-    begin, known, shares, before = time.monotonic(), None, [], cpu(pid)
+    """Since a moment: when what plays was known first, with how much CPU time, when mpv played there, and the share of a core in each second."""
+    begin, known, spent, plays, shares, before = time.monotonic(), None, 0, None, [], cpu(pid)
+    first = before
     while time.monotonic() < begin + WATCHED:
         all_of_it = service.GetAll(NAME, dbus_interface="org.freedesktop.DBus.Properties")
         position, ahead = float(all_of_it["Position"]), float(all_of_it["Ahead"])
         if known is None and from_here <= position < from_here + WATCHED and all_of_it["Track"] and (ahead > 0.35 or ahead < 0):
-            known = time.monotonic() - begin
+            known, spent = time.monotonic() - begin, cpu(pid) - first
+        if plays is None and from_here < position < from_here + WATCHED:
+            plays = time.monotonic() - begin
         if time.monotonic() >= begin + len(shares) + 1:
             now = cpu(pid)
             shares.append(now - before)
             before = now
         time.sleep(0.02)
     mean = sum(shares) / len(shares)
-    return f"| {event} | {'never' if known is None else f'{known:.1f} s'} | {mean:.2f} | {max(shares):.2f} |"
+    seconds = lambda value: "never" if value is None else f"{value:.1f} s"
+    return f"| {event} | {seconds(plays)} | {seconds(known)} | {spent:.2f} s | {mean:.2f} | {max(shares):.2f} |"
 
 
 def switches(pid):
@@ -123,7 +127,7 @@ def measure(width, height, bus):
 
 
 try:
-    print("| film, event | felt after | CPU, mean | most in a second |\n|---|---|---|---|", flush=True)
+    print("| film, event | mpv plays there after | felt after | CPU until then | CPU, mean | most in a second |\n|---|---|---|---|---|---|", flush=True)
     line = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     os.environ["DBUS_SESSION_BUS_ADDRESS"] = line.stdout.readline().strip()
     for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME"):

@@ -329,8 +329,8 @@ CAPTION
 
 mpv plays an H.264 film of 24 frames a second without a track: ten seconds of Sintel's trailer, scaled
 up and repeated, with a key frame every ten seconds. The table has the time until the draft reaches the
-position, and the share of a core that visuotactile-follow uses in the 20 s after each event, with
-decoding. Seeks go to places between key frames. The film is © Blender Foundation,
+position, the CPU time of visuotactile-follow until then, and its share of a core in the 20 s after each event, with
+decoding. The seek goes to half a second before a key frame: all since the one before has to be decoded. The film is © Blender Foundation,
 www.sintel.org, CC BY 3.0.
 
 CAPTION
@@ -550,7 +550,8 @@ CAPTION
 
 Its channel for low frequency effects is silent, and nobody speaks.
 CAPTION
-      profiles "$clips"/{sintel-trailer,big-buck-bunny-5.1}.mp4 "$clips"/unseen/{explosion,cockatoo}.mp4
+      profiles "$clips"/{sintel-trailer,big-buck-bunny-5.1}.mp4 "$clips"/unseen/{explosion,cockatoo,moon,skyforce,mdn-{crystal,elf,monster},sintel-film-26s-848x480}.mp4 \
+        "$clips"/unseen/{fox.mkv,sintel-film-20s-854x480.mpg}
       ;;
     synth)
       head_of "Sound for shakers"

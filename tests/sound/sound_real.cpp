@@ -88,6 +88,20 @@ constexpr std::array kLess{ 0, 6, 12, 18, 24, 30, 36, 42, 48 };
 
 const std::vector<std::string> kAlone{ "music alone", "speech alone" };
 
+/// What is found in these films a minute.
+template <typename Heard>
+double
+a_minute(const std::string &name, const Heard &heard)
+{
+  double found = 0;
+  double minutes = 0;
+  for (const Film &film : films[name]) {
+    found += static_cast<double>(heard(film.samples).size());
+    minutes += static_cast<double>(film.samples.size()) / kMixRate / 60;
+  }
+  return found / minutes;
+}
+
 /// F1 in each mix; what is false in music and in speech a minute.
 template <typename Heard>
 std::vector<double>
@@ -100,15 +114,8 @@ row(const Heard &heard)
       count.add(heard(film.samples), film.truth, kWide);
     result.push_back(count.f1());
   }
-  for (const std::string &alone : kAlone) {
-    double found = 0;
-    double minutes = 0;
-    for (const Film &film : films[alone]) {
-      found += static_cast<double>(heard(film.samples).size());
-      minutes += static_cast<double>(film.samples.size()) / kMixRate / 60;
-    }
-    result.push_back(found / minutes);
-  }
+  for (const std::string &alone : kAlone)
+    result.push_back(a_minute(alone, heard));
   return result;
 }
 
@@ -177,20 +184,20 @@ main(int argc, char **argv)
       "| speech alone, a minute |\n|---|---|---|---|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);
   const auto heard = [&](float surer, bool looks_ahead) {
-    return row([&](std::span<const float> samples) {
+    return [&speakers, surer, looks_ahead](std::span<const float> samples) {
       return onsets_of(analyzed(samples, kMixRate, speakers, { .surer = surer }, looks_ahead));
-    });
+    };
   };
-  print("soundtactile", heard(0, false));
-  print("soundtactile that looks 100 ms ahead", heard(0, true));
+  print("soundtactile", row(heard(0, false)));
+  print("soundtactile that looks 100 ms ahead", row(heard(0, true)));
   // Not a setting of the element: how good it is where less is false.
   for (const bool looks_ahead : { false, true }) {
-    std::vector<double> values;
-    for (float surer = 0.25F; values.empty() || values[kMixes.size()] > 2; surer += 0.25F)
-      values = heard(surer, looks_ahead);
+    float surer = 0.25F;
+    while (a_minute(kAlone[0], heard(surer, looks_ahead)) > 2)
+      surer += 0.25F;
     print(looks_ahead ? "the same, at most 2 a minute in music"
                       : "soundtactile, at most 2 a minute in music",
-          values);
+          row(heard(surer, looks_ahead)));
   }
   print("aubio, the best of 6 settings in each column",
         best(kPeers, [](const Peer &peer, std::span<const float> samples) {

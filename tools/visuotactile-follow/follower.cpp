@@ -503,7 +503,7 @@ Follower::update()
   feel(estimate, now);
 }
 
-/// Sends the cues that are due now, and tells when the next ones are, or silence is.
+/// Sends the cues that are due now, and reports when the next ones are, or silence is.
 void
 Follower::feel(const std::optional<follow::PositionEstimator::Estimate> &estimate, follow::Time now)
 {

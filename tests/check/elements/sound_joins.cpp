@@ -7,6 +7,7 @@
 #include "tactile/synthetic_film.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <condition_variable>
 #include <fstream>
@@ -291,9 +292,10 @@ effect(const IssuedCommand &line)
 }
 
 /// At `at`, where the ball is, a motor gets a level, and no other motor has one from 0.1 s before
-/// to 0.4 s after it. The chair begins once.
+/// to 0.4 s after it. The chair begins once. `seen`: when the picture is, if not about `at`.
 void
-assert_one_cue(const std::vector<IssuedCommand> &lines, double at, double within = kSame)
+assert_one_cue(const std::vector<IssuedCommand> &lines, double at, double within = kSame,
+               std::optional<double> seen = {})
 {
   const int cell = the_hit().cell;
   std::set<int> on;
@@ -305,7 +307,7 @@ assert_one_cue(const std::vector<IssuedCommand> &lines, double at, double within
       on.insert(line.command.tactor);
     else
       on.erase(line.command.tactor);
-    if (effect(line) < at - 0.1 || effect(line) > at + 0.4)
+    if (effect(line) < seen.value_or(at) - 0.1 || effect(line) > at + 0.4)
       continue;
     begins += was_silent && !on.empty();
     fail_unless(line.command.volts == 0 || line.command.tactor == cell,
@@ -337,6 +339,28 @@ CHECK_LOOP_TEST(test_one_cue, 0, std::size(kPlaybins))
   Player player(kPlaybins[__i__], film.path);
   player.prepare();
   assert_one_cue(player.play(), the_hit().at - 0.03);
+}
+
+// A flash and its bang are one cue, if they are together and if the bang is 150 ms later; it is
+// felt as strong as if it came with the flash.
+CHECK_TEST(test_flash_and_bang)
+{
+  std::array<double, 2> strongest{};
+  constexpr std::array kLater{ 0.0, 0.15 };
+  for (std::size_t i = 0; i < kLater.size(); i++) {
+    const TemporaryFile film("", ".mkv");
+    make_film(film.path, { kLater[i] });
+    Player player(kPlaybins[1], film.path);
+    player.prepare();
+    const std::vector<IssuedCommand> lines = player.play();
+    const double bang = the_hit().at + kLater[i];
+    assert_one_cue(lines, bang, kSame, the_hit().at);
+    for (const IssuedCommand &line : lines)
+      if (std::abs(effect(line) - bang) < 0.1)
+        strongest[i] = std::max(strongest[i], static_cast<double>(line.command.volts));
+  }
+  fail_unless(strongest[0] > 0 && strongest[1] > 0.9 * strongest[0], "%g and %g V", strongest[0],
+              strongest[1]);
 }
 
 CHECK_LOOP_TEST(test_one_cue_of_a_decoder, 0, std::size(kPlaybins))

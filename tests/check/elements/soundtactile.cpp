@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -204,6 +206,38 @@ CHECK_TEST(test_impact)
     fail_unless(onset->levels[0] > 2 * onset->levels[1]);
     fail_unless(onset->levels[0] > 10 * onset->levels[2]);
     fail_unless_equals_float(onset->levels[0], onset->levels[6]);
+  }
+}
+
+// Maps have the sound's own frequency, within half of a third of an octave.
+CHECK_TEST(test_frequency)
+{
+  for (const double hz : { 32.0, 50.0 }) {
+    // All of a channel for low frequency effects is felt.
+    Sound sound("audio/x-raw,format=F32LE,layout=interleaved,rate=48000,channels=6,"
+                "channel-mask=(bitmask)0x3f");
+    std::vector<float> frames(static_cast<std::size_t>(kRate) * 12);
+    for (std::size_t i = 3; i < frames.size(); i += 6) {
+      const double seconds = static_cast<double>(i / 6) / kRate;
+      frames[i] = static_cast<float>(0.15 * std::min(1.0, 10 * seconds)
+                                     * std::sin(2 * std::numbers::pi * hz * seconds));
+    }
+    fail_unless_equals_int(gst_harness_push(sound.audio, buffer(frames.data(), frames.size(), 0)),
+                           GST_FLOW_OK);
+    guint felt = 0;
+    while (GstBuffer *map = gst_harness_try_pull(sound.tactile)) {
+      gfloat *levels = nullptr;
+      gsize count = 0;
+      fail_unless(gst_tactile_map_buffer_get_levels(map, 3, 3, &levels, &count));
+      if (levels[0] > 0 && GST_BUFFER_PTS(map) > GST_SECOND / 2) {
+        const auto got = static_cast<double>(gst_buffer_get_tactile_frequency(map));
+        fail_unless(std::abs(std::log2(got / hz)) < 0.2, "%g Hz is felt at %g Hz", hz, got);
+        felt++;
+      }
+      g_free(levels);
+      gst_buffer_unref(map);
+    }
+    ck_assert_uint_gt(felt, 50);
   }
 }
 
