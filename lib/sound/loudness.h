@@ -22,10 +22,11 @@ public:
     constexpr double kLater = 0.002;
     constexpr double kFirstHops = 4000;
     constexpr double kPart = 0.7;
-    constexpr double kSilenceDb = -26;   // against the loudness
-    constexpr int kBand = kLowBands + 2; // the lower octaves contain some of the bass
+    constexpr double kSilenceDb = -50;
+    constexpr double kSilenceOfWeakDb = -26; // against the loudness
+    constexpr int kBand = kLowBands + 2;     // the lower octaves contain some of the bass
     const double db = decibels(std::accumulate(powers.sum.begin() + kBand, powers.sum.end(), 0.0));
-    if (db < db_ + kSilenceDb)
+    if (db < std::min(kSilenceDb, db_ + kSilenceOfWeakDb))
       return kUsualDb - db_;
     const double step = std::clamp(kFirst * kFirstHops / ++hops_, kLater, kFirst);
     db_ += db > db_ ? step * kPart : -step * (1 - kPart);

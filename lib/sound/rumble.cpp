@@ -49,37 +49,22 @@ share_in(double seconds)
   return 1 - std::exp(-kHopS / seconds);
 }
 
-/// One hidden layer of the first features: above 0 if it is like what it knows, and not like music
-/// and voices.
-struct RumbleNetwork
+/// How much it is like engines and thunder, and not like music and voices: above 0 if more.
+float
+score_of(std::span<const float> features)
 {
-  std::span<const float> mean;
-  std::span<const float> scale;
-  std::span<const float> hidden;
-  std::span<const float> hidden_offset;
-  std::span<const float> out;
-  float offset;
-
-  double score(std::span<const float> features) const
-  {
-    std::array<float, RumbleFeatures::count> scaled{};
-    for (std::size_t i = 0; i < mean.size(); i++)
-      scaled[i] = std::clamp((features[i] - mean[i]) * scale[i], -3.0F, 3.0F);
-    float score = offset;
-    for (std::size_t unit = 0; unit < out.size(); unit++) {
-      const auto weights = hidden.subspan(unit * mean.size(), mean.size());
-      const float sum
-          = std::inner_product(weights.begin(), weights.end(), scaled.begin(), hidden_offset[unit]);
-      score += out[unit] * std::max(sum, 0.0F);
-    }
-    return static_cast<double>(std::clamp(score, -kMostScore, kMostScore));
+  std::array<float, kRumbleMean.size()> scaled{};
+  for (std::size_t i = 0; i < scaled.size(); i++)
+    scaled[i] = std::clamp((features[i] - kRumbleMean[i]) * kRumbleScale[i], -3.0F, 3.0F);
+  float score = kRumbleOffset;
+  for (std::size_t unit = 0; unit < kRumbleOut.size(); unit++) {
+    const float sum
+        = std::inner_product(scaled.begin(), scaled.end(), &kRumbleHidden[unit * scaled.size()],
+                             kRumbleHiddenOffset[unit]);
+    score += kRumbleOut[unit] * std::max(sum, 0.0F);
   }
-};
-
-constexpr RumbleNetwork kEngines{ kEngineMean,         kEngineScale, kEngineHidden,
-                                  kEngineHiddenOffset, kEngineOut,   kEngineOffset };
-constexpr RumbleNetwork kBooms{ kBoomMean,         kBoomScale, kBoomHidden,
-                                kBoomHiddenOffset, kBoomOut,   kBoomOffset };
+  return std::clamp(score, -kMostScore, kMostScore);
+}
 
 } // namespace
 
@@ -103,14 +88,11 @@ Rumble::add(const BandPowers &powers, double gain_db)
     effects += is_low_[c] ? deep_[c] : 0;
   }
   middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
-  const std::span<const float> features = features_.add(powers).subspan(1);
-  engine_ += share_in(kScoreS) * (kEngines.score(features) - engine_);
-  boom_ += share_in(kScoreS) * (kBooms.score(features) - boom_);
-  const double score = std::max(engine_, boom_);
+  score_ += share_in(kScoreS) * (score_of(features_.add(powers).subspan(1)) - score_);
   const double heard = std::max(decibels(deep), kSilenceDb);
   // Another sound does not end an explosion that dies away.
-  fading_ = score > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
-  is_rumble_ = score > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
+  fading_ = score_ > kHolds ? heard : std::min(fading_ - kFadingDb, heard);
+  is_rumble_ = score_ > 0 || (is_rumble_ && heard < fading_ + kFadesDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
   vowel_ *= kForgotten;
   if (powers.voicing > kVoiced)
@@ -138,7 +120,7 @@ Rumble::reset()
 {
   features_.reset();
   deep_.fill(0);
-  engine_ = boom_ = kUnknown;
+  score_ = kUnknown;
   quick_ = 0;
   middle_ = 0;
   vowel_ = 0;

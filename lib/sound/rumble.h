@@ -9,10 +9,10 @@
 
 namespace sound {
 
-/// The part of a sound below 65 Hz that is felt as rumble: it resembles engines, thunder or booms
-/// rather than the bass of music and a narrator's room, or comes from a channel for low frequency
-/// effects, and it stands out from the level of the last seconds. Beside an equally loud voice, it
-/// must last.
+/// The part of a sound below 65 Hz that is felt as rumble: it resembles engines and thunder rather
+/// than the bass of music and a narrator's room, or comes from a channel for low frequency effects,
+/// and it stands out from the level of the last seconds. Beside an equally loud voice, it must
+/// last.
 class Rumble
 {
 public:
@@ -30,8 +30,7 @@ private:
   RumbleFeatures features_;
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
-  double engine_ = 0; ///< scores, smoothed
-  double boom_ = 0;
+  double score_ = 0;  ///< smoothed
   double quick_ = 0;  ///< power below 65 Hz, smoothed less
   double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
   double floor_ = 0;  ///< level of the last seconds, dB

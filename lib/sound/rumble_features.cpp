@@ -16,9 +16,7 @@ namespace {
 constexpr double kSmooth = 0.05;
 constexpr double kSecond = 0.005;
 constexpr double kSeconds = 0.0025;
-/// dB that are forgotten in a hop.
-constexpr double kJumpForgotten = 0.025;
-constexpr double kLoudestForgotten = 0.05;
+constexpr double kSilenceDb = -70;
 /// Added to powers, so that silence is nothing and numbers too small for the format, which are
 /// slow, do not come.
 constexpr double kNothing = 1e-9;
@@ -46,20 +44,6 @@ RumbleFeatures::follow_parts(const BandPowers &powers)
   }
   crest_ = decibels(peak / low);
   varying_ = 10 * std::sqrt(std::max(0.0, square - mean * mean)) / (mean + std::sqrt(kNothing));
-}
-
-void
-RumbleFeatures::follow_level(double db)
-{
-  db = std::max(db, kSilenceDb);
-  double &oldest = past_[hops_ % past_.size()];
-  const double before = past_[(hops_ + past_.size() / 2) % past_.size()];
-  jump_ = std::max(jump_ - kJumpForgotten, std::clamp(db - before, 0.0, 30.0));
-  loudest_ = std::max(loudest_ - kLoudestForgotten, db);
-  features_[jump] = static_cast<float>(jump_);
-  features_[trend] = static_cast<float>(std::clamp(db - oldest, -30.0, 30.0));
-  features_[fallen] = static_cast<float>(loudest_ - db);
-  oldest = db;
 }
 
 std::span<const float, RumbleFeatures::count>
@@ -99,7 +83,6 @@ RumbleFeatures::add(const BandPowers &powers)
   features_[varying] = static_cast<float>(varying_);
   features_[over_seconds] = static_cast<float>(std::clamp(db - seconds_, -30.0, 30.0));
   seconds_ += kSeconds * (std::max(db, kSilenceDb) - seconds_);
-  follow_level(db);
   return features_;
 }
 

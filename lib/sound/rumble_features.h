@@ -13,11 +13,6 @@ namespace sound {
 class RumbleFeatures
 {
 public:
-  RumbleFeatures()
-  {
-    past_.fill(kSilenceDb);
-  }
-
   /// The first is the level below 65 Hz, in dB: it decides whether there is anything.
   enum Index
   {
@@ -31,9 +26,6 @@ public:
     busy,         ///< mean change of the octaves' levels in 20 ms, of 2 s
     varying,      ///< 10 times the relative variation of the amplitude below 65 Hz in 0.4 s
     over_seconds, ///< dB more below 65 Hz than in the last 2 s
-    jump,         ///< the largest rise within 0.2 s, dB; forgotten by 5 dB a second: wind has none
-    trend,        ///< the change within 0.4 s, dB
-    fallen,       ///< dB below the loudest, which is forgotten by 10 dB a second
     count,
   };
 
@@ -46,7 +38,6 @@ public:
   }
 
 private:
-  static constexpr double kSilenceDb = -70;
   static constexpr std::size_t kPart = 4;   ///< hops
   static constexpr std::size_t kParts = 20; ///< 0.4 s
 
@@ -59,7 +50,6 @@ private:
   };
 
   void follow_parts(const BandPowers &powers);
-  void follow_level(double db);
 
   Powers smooth_{};
   double voicing_ = 0;
@@ -68,10 +58,7 @@ private:
   double long_uneven_ = 0;
   double busy_ = 0;
   std::array<std::array<float, kBands>, 4> levels_{}; ///< of the last hops, dB
-  double seconds_ = kSilenceDb;
-  std::array<double, 80> past_; ///< dB of the last 0.4 s
-  double jump_ = 0;
-  double loudest_ = kSilenceDb;
+  double seconds_ = -70;                              ///< dB
   std::array<Part, kParts> parts_{};
   Part part_;
   std::size_t hops_ = 0;

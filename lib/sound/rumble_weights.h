@@ -4,20 +4,18 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 
-/// One hidden layer each of RumbleFeatures after the first, for engines and explosions of which the
-/// former knows the first 15, and for booms.
+/// One hidden layer of RumbleFeatures after the first.
 namespace sound {
 
-inline constexpr std::array<float, 15> kEngineMean{ -2.138F, -3.889F, -1.292F, 3.05F,  8.079F,
+inline constexpr std::array<float, 15> kRumbleMean{ -2.138F, -3.889F, -1.292F, 3.05F,  8.079F,
                                                     12.4F,   18.62F,  6.429F,  5.451F, 3.345F,
                                                     5.292F,  3.205F,  3.093F,  5.677F, 6.248F };
-inline constexpr std::array<float, 15> kEngineScale{ 0.1716F,  0.1372F,  0.0972F,  0.08555F,
+inline constexpr std::array<float, 15> kRumbleScale{ 0.1716F,  0.1372F,  0.0972F,  0.08555F,
                                                      0.08435F, 0.08495F, 0.09261F, 0.3325F,
                                                      0.5723F,  1.14F,    0.623F,   1.138F,
                                                      1.152F,   0.2247F,  0.1081F };
-inline constexpr std::array<float, 120> kEngineHidden{
+inline constexpr std::array<float, 120> kRumbleHidden{
   0.151F,    0.3334F,   -0.2641F, 0.3319F,   0.6098F,  0.6361F,   -0.08866F, 0.1703F,    0.2873F,
   0.5654F,   -0.4352F,  0.3523F,  0.2928F,   0.0747F,  -0.4851F,  0.2857F,   0.2078F,    -0.3954F,
   0.2523F,   -0.01255F, -0.4588F, -0.2912F,  0.1744F,  -0.05507F, -0.5422F,  -0.6626F,   0.2332F,
@@ -33,44 +31,10 @@ inline constexpr std::array<float, 120> kEngineHidden{
   -0.1398F,  -0.05049F, 1.094F,   -0.2391F,  0.2081F,  -0.3037F,  0.2619F,   -0.6604F,   0.4973F,
   0.000448F, -0.03121F, -0.3896F
 };
-inline constexpr std::array<float, 8> kEngineHiddenOffset{ 0.8302F,  -0.1784F, 0.9015F, 0.6574F,
+inline constexpr std::array<float, 8> kRumbleHiddenOffset{ 0.8302F,  -0.1784F, 0.9015F, 0.6574F,
                                                            0.07835F, 1.548F,   -0.9F,   0.7266F };
-inline constexpr std::array<float, 8> kEngineOut{ 1.011F, 0.9195F, -1.232F, -1.334F,
+inline constexpr std::array<float, 8> kRumbleOut{ 1.011F, 0.9195F, -1.232F, -1.334F,
                                                   1.064F, 1.3F,    1.507F,  1.066F };
-inline constexpr float kEngineOffset = -3.8849F;
-
-inline constexpr std::array<float, 18> kBoomMean{ -3.052F, -5.682F,   -4.828F, -1.382F, 3.266F,
-                                                  7.186F,  13.29F,    7.004F,  5.092F,  3.04F,
-                                                  5.04F,   3.009F,    2.796F,  5.244F,  0.2894F,
-                                                  9.75F,   -0.08841F, 3.041F };
-inline constexpr std::array<float, 18> kBoomScale{ 0.1496F,  0.1118F,  0.07848F, 0.0686F, 0.066F,
-                                                   0.06368F, 0.06762F, 0.3399F,  0.4745F, 0.7951F,
-                                                   0.5786F,  0.9381F,  1.112F,   0.2826F, 0.1031F,
-                                                   0.1222F,  0.1385F,  0.1931F };
-inline constexpr std::array<float, 144> kBoomHidden{
-  -1.129F,    -0.4956F,  -0.1275F,  0.418F,    0.3576F,   0.3744F,   0.3528F,    -1.082F,
-  -0.4589F,   -0.03312F, -0.03677F, 0.209F,    -0.04718F, -0.3219F,  1.024F,     0.5989F,
-  0.2685F,    -0.4114F,  -0.3043F,  0.7263F,   -1.053F,   0.06808F,  0.1875F,    0.3022F,
-  0.2326F,    0.1677F,   -0.5688F,  0.02149F,  0.01725F,  0.3239F,   -1.215F,    -1.734F,
-  -0.1901F,   0.001985F, 0.1717F,   0.07905F,  -0.1686F,  0.3263F,   -0.5445F,   -0.4916F,
-  1.079F,     0.5767F,   -0.07025F, -0.7346F,  -0.1376F,  -0.1313F,  0.07725F,   0.3677F,
-  0.3886F,    0.3711F,   -0.4536F,  0.2336F,   -0.09883F, 0.1328F,   1.522F,     -1.582F,
-  0.3141F,    -0.598F,   1.327F,    -0.4222F,  -0.3255F,  0.5646F,   -0.06882F,  0.3414F,
-  -0.001236F, -0.08905F, 0.09762F,  -0.1995F,  0.6318F,   -0.1076F,  -0.1026F,   0.738F,
-  1.137F,     0.3368F,   -0.02251F, -0.04834F, 1.119F,    -0.08763F, -0.4424F,   -0.193F,
-  0.2336F,    0.2727F,   0.00894F,  -0.02523F, -0.5768F,  -0.05431F, -0.9846F,   0.2603F,
-  -1.006F,    0.0987F,   0.8325F,   0.07307F,  0.143F,    0.9346F,   -0.3965F,   -0.317F,
-  -0.8325F,   -0.6123F,  0.2907F,   -0.2622F,  0.2893F,   -0.1866F,  -1.188F,    0.1213F,
-  -0.06736F,  0.02211F,  -0.3759F,  -0.04303F, -1.82F,    -0.2153F,  0.2876F,    0.3517F,
-  -0.8113F,   -0.4839F,  0.6907F,   -0.9003F,  0.3196F,   -0.2058F,  0.003234F,  0.1063F,
-  0.4153F,    0.1417F,   0.998F,    -0.187F,   0.3086F,   0.476F,    0.004256F,  0.61F,
-  0.5818F,    -0.05241F, -0.8044F,  0.009184F, 0.1576F,   -0.1386F,  0.0003425F, -0.3799F,
-  0.8771F,    -0.7177F,  0.7751F,   0.2219F,   -0.8791F,  -0.3148F,  0.2515F,    0.2805F
-};
-inline constexpr std::array<float, 8> kBoomHiddenOffset{ 0.2286F,  -1.174F, -0.4027F, -0.7084F,
-                                                         -0.3446F, 0.4307F, -0.9821F, 0.5854F };
-inline constexpr std::array<float, 8> kBoomOut{ 0.9846F, -1.696F, -1.3F,   -2.2F,
-                                                1.984F,  -1.243F, -1.772F, -1.047F };
-inline constexpr float kBoomOffset = -1.6423F;
+inline constexpr float kRumbleOffset = -2.9649F;
 
 } // namespace sound

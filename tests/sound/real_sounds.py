@@ -95,54 +95,6 @@ def room(samples, rng, seconds, direct):
     return (out + direct * wet).astype(np.float32)
 
 
-def low_pass(samples, hz, order=2):
-    return sosfilt(butter(order, hz, fs=RATE, output="sos"), samples).astype(np.float32)
-
-
-def boom_of(of, rng):
-    """As in films: an explosion, a blow or a shot that is slowed down, dull and in a hall, or noise and a falling tone that die away."""
-    if rng.random() < 0.25:
-        at = np.arange(int(RATE * rng.uniform(1, 4))) / RATE
-        hz = rng.uniform(28, 45) + rng.uniform(10, 90) * np.exp(-at / rng.uniform(0.03, 0.3))
-        noise = low_pass(rng.standard_normal(len(at)), rng.uniform(40, 150))
-        tone = np.sin(2 * np.pi * np.cumsum(hz) / RATE)
-        fades = np.exp(-at / rng.uniform(0.25, 1.2)) * np.minimum(1, at / rng.uniform(0.003, 0.08))
-        return ((rng.uniform(0, 1) * tone + rng.uniform(0.5, 8) * noise) * fades).astype(np.float32)
-    some = of[("explosion", "explosion", "explosion", "impact", "gun")[rng.integers(5)]]
-    samples = faster(some[rng.integers(len(some))].samples[: 6 * RATE], rng.uniform(0.3, 0.9))[: 6 * RATE]
-    if rng.random() < 0.8:
-        samples = low_pass(samples, 50 * 8 ** rng.random(), (2, 2, 4)[rng.integers(3)])
-    if rng.random() < 0.7:
-        seconds = rng.uniform(0.8, 4)
-        tail = low_pass(rng.standard_normal(int(RATE * min(seconds, 3))), rng.uniform(60, 400))
-        tail *= 10 ** (-3 * np.arange(len(tail)) / (RATE * seconds))
-        samples = np.concatenate([samples, np.zeros(len(tail) // 2, np.float32)])
-        wet = fftconvolve(samples, tail)[: len(samples)]
-        samples = samples + wet * rng.uniform(0.3, 2) * np.sqrt((samples**2).mean() / (wet**2).mean())
-    return samples.astype(np.float32)
-
-
-def wind_of(of, seconds, rng):
-    """Noise in bands that swells, or a recording."""
-    n = int(seconds * RATE)
-    recorded = [s for s in of.get("ambient", []) if "ind" in s.name or "Desert" in s.name]
-    if recorded and rng.random() < 0.4:
-        samples = faster(recorded[rng.integers(len(recorded))].samples, rng.uniform(0.5, 1.1))
-        samples = np.resize(samples, n)
-    else:
-        white = rng.standard_normal(n)
-        pink = lfilter([0.049922, -0.095993, 0.050612, -0.004408], [1, -2.494956, 2.017265, -0.522189], white)
-        samples = pink / pink.std() * 10 ** rng.uniform(-1, 0)
-        for _ in range(rng.integers(1, 4)):
-            hz = 60 * 12 ** rng.random()
-            band = low_pass(white, hz, rng.integers(1, 3)) if rng.random() < 0.5 else sosfilt(butter(1, [0.4 * hz, 1.4 * hz], "bandpass", fs=RATE, output="sos"), white)
-            samples = samples + band / band.std() * 10 ** rng.uniform(-0.6, 0)
-    step = rng.uniform(0.4, 2)
-    swell = rng.normal(0, rng.uniform(2, 10), int(seconds / step) + 3)
-    samples = samples * 10 ** (np.interp(np.arange(n) / RATE, np.arange(len(swell)) * step, swell) / 20)
-    return (samples * 0.1 / np.sqrt((samples**2).mean())).astype(np.float32)
-
-
 def faster(samples, speed):
     at = np.arange(0, len(samples) - 1, speed)
     return np.interp(at, np.arange(len(samples)), samples).astype(np.float32)
@@ -191,17 +143,12 @@ def dialog_of(of, seconds, rng):
 
 
 def bed_of(kind, of, seconds, rng):
-    """Sound that goes on for so long, at −20 dB: music, speech, both, dialog, noise, wind, that and another, ambient or none."""
+    """Sound that goes on for so long, at −20 dB: music, speech, both, dialog, noise, ambient or none."""
     n = int(seconds * RATE)
     if kind == "silence":
         return np.zeros(n, np.float32)
     if kind == "both":
         return bed_of("music", of, seconds, rng) * 10 ** (-rng.uniform(3, 14) / 20) + bed_of("speech", of, seconds, rng)
-    if kind == "wind":
-        return wind_of(of, seconds, rng)
-    if kind.startswith("wind and "):
-        other = bed_of(kind.removeprefix("wind and "), of, seconds, rng)
-        return other * 10 ** (-rng.uniform(-5, 15) / 20) + wind_of(of, seconds, rng)
     if kind == "dialog":
         return dialog_of(of, seconds, rng).astype(np.float32)
     if kind == "noise":

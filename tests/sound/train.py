@@ -7,8 +7,8 @@ slower, limited, coded, at −40 to −1 dB of full scale. Each effect is a bag 
 chosen again in each epoch. Each of two networks, without and with later features, has one hidden layer. Of several starts the best one is
 taken, and the threshold is where the music of the set for choosing has PER_MINUTE impacts.
 
-Usage: OMP_NUM_THREADS=1 tests/sound/train.py BUILD CACHE [CORES] [tune|rumble]      BUILD: a build folder with tests/sound/sound_features;
-CACHE: keeps packages and sounds; tune: impacts only, from the weights that are there instead of anew. About an hour of a core. Needs
+Usage: OMP_NUM_THREADS=1 tests/sound/train.py BUILD CACHE [CORES] [tune]      BUILD: a build folder with tests/sound/sound_features;
+CACHE: keeps packages and sounds; tune: goes on from the weights that are there, instead of anew. About an hour of a core. Needs
 ffmpeg, python3-scipy and apt-get."""
 
 import multiprocessing
@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 import numpy as np
-from real_sounds import RATE, bed_of, boom_of, coded, faster, limited, low_pass, mixed, sounds
+from real_sounds import RATE, bed_of, coded, limited, mixed, sounds
 from scipy.optimize import minimize
 from scipy.signal import lfilter
 
@@ -36,12 +36,7 @@ RISE, STANDS_OUT, STANDS_ALONE, ALONE = 108, 15, 40, 4.0
 # As OnsetDetector: the score of three moments in a row, which is within ± MOST.
 IN_ROW, MOST = 3, 8.0
 FLUX = 67  # the feature
-# Names, features, films not learned from, and the share of the music for choosing that is felt.
-RUMBLE_NETWORKS = (("Engine", 15, ("boom", "wind alone", "wind and music alone", "wind and dialog alone"), 0.03), ("Boom", 18, (), 0.01))
-RUMBLE = {"boom": 1, "engine": 1, "explosion": 0.7}  # what rumbles
-OVER = {"silence": 7, "music": 12, "speech": 3, "both": 4, "dialog": 5, "ambient": 2, "wind": 4}
-NO_RUMBLE = {"music": 26, "speech": 6, "both": 8, "dialog": 10, "wind": 32, "wind and music": 10, "wind and dialog": 8}
-NO_RUMBLE_WEIGHTS = {"music": 3, "speech": 1, "both": 1.5, "dialog": 1.5, "wind": 1, "wind and music": 0.7, "wind and dialog": 0.5}
+RUMBLE_IN_MUSIC = 0.05
 RUMBLE_HIDDEN, SCORE_S = 8, 0.4
 DEAD_S = 0.15  # OnsetDetector::kDeadHops
 FILM_S = 60
@@ -98,12 +93,6 @@ def features(samples, of, folder):
     out = subprocess.run([program, of, folder / "film.f32"], check=True, stdout=subprocess.PIPE)
     width = int(subprocess.run([program, of], stdout=subprocess.PIPE, check=True).stdout)
     return np.frombuffer(out.stdout, "<f4").reshape(-1, width + 1)
-
-
-def made_in_folder(job):
-    make, *arguments = job
-    with tempfile.TemporaryDirectory() as folder:
-        return make(*arguments, pathlib.Path(folder))
 
 
 def moments_of(job):
@@ -311,67 +300,39 @@ def impacts(moments, judges, tune):
     write("onset_weights.h", "One hidden layer of what OnsetFeatures knows, without and with its later features.", body)
 
 
-def rumbles(what, of, rng):
-    """What rumbles, alone: engines, explosions or booms."""
-    out = np.zeros(FILM_S * RATE, np.float32)
-    at = rng.uniform(0.5, 3)
-    while at < FILM_S - 1:
-        if what == "boom":
-            samples = boom_of(of, rng)
-        else:
-            samples = faster(of[what][rng.integers(len(of[what]))].samples, rng.uniform(0.5, 1.6))
-            if rng.random() < 0.3:
-                samples = low_pass(samples, 100 * 20 ** rng.random())
-            samples = np.resize(samples, max(len(samples), 3 * RATE if what == "engine" else 0))[: 8 * RATE]
-        fade = min(len(samples) // 4, RATE // 20)
-        samples[-fade:] *= np.linspace(1, 0, fade)
-        parts = np.array_split(samples, max(1, len(samples) // (RATE // 5)))
-        samples *= 0.1 * 10 ** (rng.uniform(-3, 15) / 20) / (max(np.sqrt((part**2).mean()) for part in parts) + 1e-9)
-        begin = int(at * RATE)
-        out[begin : begin + len(samples)] += samples[: len(out) - begin]
-        at += (1 if what == "engine" else 0.7) * len(samples) / RATE + rng.uniform(0.7, 3)
-    return out
+def rumble_films(of, rng, minutes):
+    """(samples, whether it is rumble)"""
+    deep = of["engine"] + of["explosion"]
+    for i in range(minutes):
+        bed = bed_of(("silence", "music", "speech")[i % 3], of, FILM_S, rng)
+        samples, truth = mixed(bed, deep, lambda: rng.uniform(0, 12), rng, (2.5, 4))
+        hops = np.zeros(len(samples) // 80, bool)
+        for at, *_ in truth:
+            hops[int(at * 200) : int(at * 200 + 300)] = True
+        yield finish(samples, rng, cache), hops, "rumble over " + ("silence", "music", "speech")[i % 3]
+    for kind in ("music", "speech", "both"):
+        for i in range(minutes // 2):
+            yield finish(bed_of(kind, of, FILM_S, rng), rng, cache), np.zeros(FILM_S * 200, bool), kind + " alone"
 
 
-def rumble_film(name, what, kind, seed, folder):
-    """Features; where they are rumble: 1, where not: 0; and what the film is. Rumble is what is deeper than the bed by 1 dB; −1 to 8 dB less is neither."""
-    of = loaded[name]
-    rng = np.random.default_rng(seed)
-    bed = bed_of("noise" if kind == "silence" else kind, of, FILM_S, rng) * (10 ** (-rng.uniform(20, 60) / 20) if kind == "silence" else 1)
-    own = rumbles(what, of, rng) if what else 0 * bed
-    samples = limited(bed + own, rng) if rng.random() < 0.4 else bed + own
-    gain = 10 ** ((rng.uniform(-30, -1) + rng.uniform(6, 20)) / 20) / np.abs(samples).max()
-    rows, *deep = (features(gain * part, "rumble", folder)[200:, 1:] for part in (samples, *([own, bed] if what else [])))
-    is_rumble = np.zeros(len(rows), np.int8)
-    if what:
-        more = deep[0][:, 0] - deep[1][:, 0]
-        is_rumble = np.select([more > 1, more > -8], [1, -1], 0)
-    return rows[is_rumble >= 0], is_rumble[is_rumble >= 0] > 0, f"{what} over {kind}" if what else f"{kind} alone"
+def rumble(learn_from, choose_from):
+    def read(of, seed, minutes):
+        rng = np.random.default_rng(seed)
+        x, y, kinds, hops = [], [], [], {}
+        for samples, is_deep, kind in rumble_films(of, np.random.default_rng(seed), minutes):
+            rows = features(samples * 10 ** (rng.uniform(6, 20) / 20), "rumble", cache)[:, 1:]
+            is_deep = is_deep[: len(rows)]
+            keep = (rows[:, 0] > -36) & (is_deep | ("alone" in kind))
+            hops[kind] = hops.get(kind, 0) + (is_deep.sum() if "over" in kind else len(rows))
+            x.append(rows[keep][:, 1:])
+            y.append(is_deep[keep])
+            kinds.append(np.full(keep.sum(), kind))
+        return np.concatenate(x), np.concatenate(y), np.concatenate(kinds), hops
 
-
-def rumble_films(name, seed, part, pool):
-    """Features, whether they are rumble, their films, what these are."""
-    jobs = [(rumble_film, name, what, kind) for what, times in RUMBLE.items() for kind, count in OVER.items() for _ in range(round(part * times * count))]
-    jobs += [(rumble_film, name, None, kind) for kind, count in NO_RUMBLE.items() for _ in range(round(part * count))]
-    jobs = [(*job, (seed, i)) for i, job in enumerate(jobs) if job[3] != "ambient" or "ambient" in loaded[name]]
-    films = list(pool.imap(made_in_folder, jobs))
-    return *(np.concatenate([film[i] for film in films]) for i in (0, 1)), np.repeat(np.arange(len(films)), [len(film[1]) for film in films]), [film[2] for film in films]
-
-
-def rumble_network(x, y, group, alone):
-    """Its layers, mean and spread. All kinds of rumble weigh the same, and as much as all that is none."""
-    rng = np.random.default_rng(1)
-    weight = np.zeros(len(x))
-    for name in set(group):
-        of = group == name
-        weight[of & y] = 1 / max(1, (of & y).sum())
-        weight[of & ~y] = alone.get(name.removesuffix(" alone"), 0.1) / max(1, (of & ~y).sum())
-    weight[y] /= weight[y].sum()
-    weight[~y] /= weight[~y].sum()
-    pick = rng.choice(len(x), min(len(x), 150000), p=weight / weight.sum())
-    x, y = x[pick], y[pick]
+    x, y, kinds, hops = read(learn_from, 3, 27)
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-3
-    xs = np.clip((x - mean) / spread, -3, 3).astype(float)
+    xs = np.clip((x - mean) / spread, -3, 3)
+    weight = np.where(y, 1 / y.sum(), 1 / (~y).sum())
     parts = np.cumsum([xs.shape[1] * RUMBLE_HIDDEN, RUMBLE_HIDDEN, RUMBLE_HIDDEN])
 
     def layers(w):
@@ -382,43 +343,28 @@ def rumble_network(x, y, group, alone):
         hidden, offset, out, last = layers(w)
         inner = np.maximum(xs @ hidden.T + offset, 0)
         score = inner @ out + last
-        error = (1 / (1 + np.exp(-score)) - y) / len(y)
+        error = weight * (1 / (1 + np.exp(-score)) - y)
         back = np.outer(error, out) * (inner > 0)
         slope = np.concatenate([(back.T @ xs).ravel(), back.sum(0), inner.T @ error, [error.sum()]])
-        return (np.logaddexp(0, score) - y * score).mean() + 1e-4 * (w**2).sum(), slope + 2e-4 * w
+        return (weight * (np.logaddexp(0, score) - y * score)).sum() + 1e-4 * (w**2).sum(), slope + 2e-4 * w
 
-    w = minimize(loss, rng.normal(0, 0.3, parts[-1] + 1), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
-    return *layers(w), mean, spread
-
-
-def rumble(pool):
-    x, y, film, kinds = rumble_films("learn", 3, 1, pool)
-    group = np.array([kind.split()[0] if " over " in kind else kind for kind in kinds])[film]
-    cx, cy, films, kinds = rumble_films("choose", 4, 0.5, pool)
-    kind = np.array(kinds)[films]
-    loud = cx[:, 0] > -36
-    body, felt = "", np.zeros(len(cx), bool)
-    for name, count, apart, in_music in RUMBLE_NETWORKS:
-        of = (x[:, 0] > -40) & ~np.isin(group, apart)
-        hidden, offset, out, last, mean, spread = rumble_network(x[of, 1 : count + 1], y[of], group[of], NO_RUMBLE_WEIGHTS)
-        score = np.clip(np.maximum(np.clip((cx[:, 1 : count + 1] - mean) / spread, -3, 3) @ hidden.T + offset, 0) @ out + last, -MOST, MOST)
-        for i in range(len(kinds)):
-            score[films == i] = lfilter([0.005 / SCORE_S], [1, 0.005 / SCORE_S - 1], score[films == i])
-        least = np.quantile(np.where(loud, score, -99)[kind == "music alone"], 1 - in_music)
-        felt |= loud & (score > least)
-        body += ("\n" if body else "") + array(f"k{name}Mean", mean) + array(f"k{name}Scale", 1 / spread) + array(f"k{name}Hidden", hidden)
-        body += array(f"k{name}HiddenOffset", offset) + array(f"k{name}Out", out) + f"inline constexpr float k{name}Offset = {last - least:.4f}F;\n"
-    for name in sorted(set(kinds)):
-        of = (kind == name) & (cy | ("alone" in name))
-        print(f"  {name}: {100 * felt[of].mean():.1f} % of the time, deep {100 * loud[of].mean():.0f} %", flush=True)
-    write("rumble_weights.h", "One hidden layer each of RumbleFeatures after the first: for engines and explosions, which has only the first 15, and for booms.", body)
+    w = minimize(loss, np.random.default_rng(1).normal(0, 0.3, parts[-1] + 1), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
+    hidden, offset, out, last = layers(w)
+    x, y, kinds, hops = read(choose_from, 4, 12)
+    score = np.clip(np.maximum(np.clip((x - mean) / spread, -3, 3) @ hidden.T + offset, 0) @ out + last, -MOST, MOST)
+    score = lfilter([0.005 / SCORE_S], [1, 0.005 / SCORE_S - 1], score)
+    least = np.quantile(np.concatenate([score[kinds == "music alone"], np.full(hops["music alone"] - (kinds == "music alone").sum(), -99)]), 1 - RUMBLE_IN_MUSIC)
+    for kind, count in hops.items():
+        print(f"  {kind}: {100 * (score[kinds == kind] > least).sum() / count:.1f} % of the time, deep {100 * (kinds == kind).sum() / count:.0f} %")
+    write("rumble_weights.h", "One hidden layer of RumbleFeatures after the first.",
+          array("kRumbleMean", mean) + array("kRumbleScale", 1 / spread) + array("kRumbleHidden", hidden) + array("kRumbleHiddenOffset", offset) + array("kRumbleOut", out)
+          + f"inline constexpr float kRumbleOffset = {last - least:.4f}F;\n")
 
 
 if __name__ == "__main__":
     loaded.update({name: sounds(name, cache) for name in ("learn", "choose")})
-    only = sys.argv[-1] if sys.argv[-1] in ("tune", "rumble") else None
-    with multiprocessing.Pool(int(sys.argv[3]) if len(sys.argv) > 3 + (only is not None) else 1) as pool:
-        if only != "rumble":
-            impacts(*read(pool), only == "tune")
-        if only != "tune":
-            rumble(pool)
+    tune = "tune" in sys.argv
+    with multiprocessing.Pool(int(sys.argv[3]) if len(sys.argv) > 3 + tune else 1) as pool:
+        impacts(*read(pool), tune)
+    if not tune:
+        rumble(loaded["learn"], loaded["choose"])

@@ -21,7 +21,7 @@ constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-si
 
 /// Raised where the same film gets another track within one version. 2: times from 0:00 on. 3:
 /// blocks that begin with what becomes stronger. 4: events; sound learned from real sounds. 5:
-/// faces; rumble that knows wind.
+/// faces; the loudness of weak and loud films.
 constexpr const char *kAnalysis = "5";
 
 } // namespace
