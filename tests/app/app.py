@@ -55,7 +55,7 @@ def finds_devices():
     app.find("button", "Bob's pad (/dev/input/event3), not connected now")
     # A server that listens, where Intiface does; none is connected to.
     with socket.create_server(("127.0.0.1", 12345)) as server:
-        app.click("push button", "Look again")
+        app.click("button", "Look again")
         app.find("text", "Device of Intiface")
         assert not app.has("No device is connected")
         server.setblocking(False)
@@ -100,11 +100,11 @@ def tests_what_was_chosen():
     app.find("button", "No hardware", [Atspi.StateType.PRESSED])
     tab_to(app, "slider", "Intensity")
     app.key("Home")
-    app.click("push button", "row 1, column 1")
-    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("push button", "Feel all motors"))
+    app.click("button", "row 1, column 1")
+    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("button", "Feel all motors"))
     assert max(levels(), default=0) == 0, levels()
     app.click("button", "The board")
-    app.click("push button", "Feel all motors")
+    app.click("button", "Feel all motors")
     app.find("label", "motors are simulated")
     app.quit()
 
@@ -112,17 +112,17 @@ def tests_what_was_chosen():
 def feels_motors():
     set_chair("driver=simulator", f"device={work / 'amplitudes.csv'}", "grid=8x8")
     app = App()
-    app.click("push button", "row 2, column 1")
-    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("push button", "Feel all motors"))
+    app.click("button", "row 2, column 1")
+    wait_until("the end of the test", lambda: (work / "amplitudes.csv").exists() and app.find_now("button", "Feel all motors"))
     felt = levels()
     assert felt[8] > 0.5 and max(felt[:8] + felt[9:]) == 0, felt
-    app.click("push button", "Feel all motors")
-    app.click("push button", "Stop the feel test")
-    app.find("push button", "Feel all motors")
+    app.click("button", "Feel all motors")
+    app.click("button", "Stop the feel test")
+    app.find("button", "Feel all motors")
     felt = levels()
     assert max(felt[63:], default=0) == 0 and not app.has("visuotactile-play"), felt
     (work / "amplitudes.csv").unlink()
-    app.click("push button", "Feel all motors")
+    app.click("button", "Feel all motors")
     wait_until("the test", lambda: (work / "amplitudes.csv").exists() and levels() and levels()[0] > 0)
     children = pathlib.Path("/proc", str(app.process.pid), "task", str(app.process.pid), "children").read_text(encoding="ascii").split()
     tests = [child for child in children if runs(child)]
@@ -206,9 +206,9 @@ def plays_a_film():
     set_chair("driver=simulator")
     app = App(film)
     app.find("label", "film.mkv")
-    app.click("push button", "Play it on the chair")
+    app.click("button", "Play it on the chair")
     app.find("label", "The chair plays film.mkv.")
-    app.click("push button", "Stop the film")
+    app.click("button", "Stop the film")
     app.find("label", "The chair waits.")
     assert not app.has("visuotactile-play")
     app.quit()
@@ -234,7 +234,7 @@ def names_controls():
 
 def speaks_german():
     app = App(LC_ALL="C.UTF-8", LANGUAGE="de")
-    app.find("push button", "Motoren fühlen")
+    app.find("button", "Motoren fühlen")
     app.find("", "Vibration ausschalten")
     english = [node.get_name() for node in app.all() if (node.get_name() or "").startswith(("The ", "No ", "Switch "))]
     assert not english, english
@@ -252,7 +252,7 @@ def feels_a_vest():
     app.key("space")  # 1: the device
     wait_until("the device", lambda: "device=vest-back" in settings())
     app.key("ctrl+2")  # 2: the page of films
-    app.click("push button", "Play an example")  # 3
+    app.click("button", "Play an example")  # 3
     while not (line := server.stdout.readline()).startswith("motors") or "=" not in line:
         assert line, "the server has ended"
     print(f"felt after {time.monotonic() - begin:.0f} s and 3 decisions")

@@ -100,7 +100,7 @@ class App:
         return [(node.get_role_name(), node.get_name() or "") for node in nodes]
 
     def find_now(self, role, name, states=()):
-        """GTK 4.8 and 4.18 have different buttons: `role` may be a part of it."""
+        """`role` may be a part of it: a button is a push button in AT-SPI 2.46, a button in 2.56."""
         def is_it(node):
             try:
                 if name not in (node.get_name() or "") or role not in node.get_role_name():

@@ -29,10 +29,10 @@ def take(suffix="", scale=1, pages=("chair", "film", "players"), feel=("Feel all
     for page in pages:
         app.key(f"ctrl+{1 + ('chair', 'film', 'players').index(page)}")
         if page == "chair":
-            app.click("push button", feel[0])
+            app.click("button", feel[0])
             wait_until("a motor", lambda: app.find_now("label", feel[1]))
         else:
-            app.find("push button" if page == "film" else "check box", "Open a film" if page == "film" else "mpv")
+            app.find("button" if page == "film" else "check box", "Open a film" if page == "film" else "mpv")
         picture(folder / f"{page}{suffix}.png", 760 * scale, 640 * scale)
     app.quit()
 

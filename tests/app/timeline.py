@@ -61,14 +61,14 @@ class Way:
         self.app.find("button", name, [Atspi.StateType.PRESSED])
 
     def test(self, felt):
-        self.app.click("push button", "Feel all motors")
+        self.app.click("button", "Feel all motors")
         felt()
         self.reach("motor")
-        self.app.find("push button", "Feel all motors")  # the test has ended
+        self.app.find("button", "Feel all motors")  # the test has ended
 
     def film(self, felt):
         self.decide("page", lambda: self.app.key("ctrl+2"))
-        self.decide("film", lambda: self.app.click("push button", "Play an example"))
+        self.decide("film", lambda: self.app.click("button", "Play an example"))
         felt()
         self.reach("film")
 

@@ -134,6 +134,8 @@ discover_film(const std::string &path_or_uri)
   if (video) {
     film.width = static_cast<int>(gst_discoverer_video_info_get_width(video));
     film.height = static_cast<int>(gst_discoverer_video_info_get_height(video));
+    film.pixel_aspect = static_cast<double>(gst_discoverer_video_info_get_par_num(video))
+                        / std::max(1U, gst_discoverer_video_info_get_par_denom(video));
     const guint denominator = gst_discoverer_video_info_get_framerate_denom(video);
     film.fps = denominator ? static_cast<double>(gst_discoverer_video_info_get_framerate_num(video))
                                  / denominator

@@ -14,6 +14,7 @@ struct Film
   std::string title; ///< for the report
   int width = 0;
   int height = 0;
+  double pixel_aspect = 1;                     ///< width of a pixel in its heights
   double fps = 0;                              ///< 0: unknown or variable
   bool has_sound = false;                      ///< even if no decoder for it is installed
   GstClockTime duration = GST_CLOCK_TIME_NONE; ///< by the file's header

@@ -253,9 +253,9 @@ run(const Options &options)
     expect_elements(kSoundElements);
   const std::string sink = options.no_window ? "" : video_sink();
   settings.window = !sink.empty();
-  // That of Wayland has a window of its own.
-  settings.titled = sink == "xvimagesink" || sink == "ximagesink"
-                    || (sink == "glimagesink" && g_getenv("WAYLAND_DISPLAY") == nullptr);
+  // That of Wayland has a window of its own, and ximagesink does not fit the film into ours.
+  settings.titled
+      = sink == "xvimagesink" || (sink == "glimagesink" && g_getenv("WAYLAND_DISPLAY") == nullptr);
   settings.analysis_options = "profile=" + options.profile.text();
   if (options.rows != kOfDevice)
     settings.analysis_options += " rows=" + std::to_string(options.rows);

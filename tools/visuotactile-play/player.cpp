@@ -142,7 +142,7 @@ private:
   {
 #ifdef HAVE_X11
     if (settings_.titled)
-      window_ = PlayWindow::open(film_.width, film_.height,
+      window_ = PlayWindow::open(static_cast<int>(film_.width * film_.pixel_aspect), film_.height,
                                  { .pressed = [this](const std::string &key) { on_key(key); },
                                    .changed =
                                        [this] {
@@ -171,7 +171,8 @@ private:
     sources_.push_back(g_timeout_add_seconds(
         1,
         +[](gpointer self) -> gboolean {
-          static_cast<Run *>(self)->show_position();
+          if (static_cast<Run *>(self)->words_ == 0)
+            static_cast<Run *>(self)->show_position();
           return G_SOURCE_CONTINUE;
         },
         this));
@@ -193,10 +194,15 @@ private:
 
   void show_position()
   {
+    set_title(position_text() + (paused_ ? _(", paused") : ""));
+  }
+
+  void set_title([[maybe_unused]] const std::string &what)
+  {
 #ifdef HAVE_X11
     g_autofree gchar *name = g_path_get_basename(film_.title.c_str());
     if (window_)
-      window_->set_title(name + (", " + position_text()) + (paused_ ? _(", paused") : ""));
+      window_->set_title(name + (", " + what));
 #endif
   }
 
@@ -369,7 +375,10 @@ private:
 
   void say(const std::string &line)
   {
-    show_position();
+    if (paused_)
+      set_title(line); // no frame will have the words
+    else
+      show_position();
     if (const Owned<GstElement> words = element(pipeline_, "words")) {
       g_object_set(words.get(), "text", line.c_str(), "silent", FALSE, nullptr);
       if (words_)

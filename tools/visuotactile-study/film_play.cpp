@@ -91,7 +91,7 @@ FilmPlay::FilmPlay(const Order &order, std::function<void(const study::Play &)> 
   const Film film = discover_film(order.film);
   if (order.window && order.screen)
     window_ = std::make_unique<FilmWindow>(
-        monitor(order.screen->name), film.width, film.height,
+        monitor(order.screen->name), static_cast<int>(film.width * film.pixel_aspect), film.height,
         [this] { stop("Escape was pressed, or the film's window was closed"); });
   pipeline_ = make_pipeline(launch_line(film, play_settings(order, window_.get())));
   let_times_advance(
