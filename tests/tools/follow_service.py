@@ -6,6 +6,7 @@ session, and its ways out: a locked screen, a computer that goes to sleep, a ses
 Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
 Usage: follow_service.py [PART ...]      of drafts, embedded, uneven, library, faulty, status, wakings, activation, ways_out; all by default"""
 
+import contextlib
 import functools
 import http.server
 import json
@@ -345,7 +346,13 @@ def latencies_of_each_kind(mpv, bus):
 
 def wakes(tasks, seconds):
     """How often a second threads wake up."""
-    waits = lambda: sum(int(line.split()[1]) for task in tasks() for line in open(task / "status", encoding="utf-8") if line.startswith("voluntary_"))
+    def waits():
+        count = 0
+        for task in tasks():
+            with contextlib.suppress(FileNotFoundError):  # it has ended
+                count += sum(int(line.split()[1]) for line in open(task / "status", encoding="utf-8") if line.startswith("voluntary_"))
+        return count
+
     begin, before = time.monotonic(), waits()
     wait_until(f"{seconds} s", lambda: time.monotonic() > begin + seconds)
     return (waits() - before) / (time.monotonic() - begin)
