@@ -39,7 +39,7 @@ def first_line(*arguments):
 os.environ.update(HOME=str(work), XDG_CONFIG_HOME=str(work / "config"), XDG_STATE_HOME=str(work / "state"), XDG_CACHE_HOME=str(work / "cache"), XDG_RUNTIME_DIR=str(work),
                   GDK_BACKEND="x11", LIBGL_ALWAYS_SOFTWARE="1", NO_AT_BRIDGE="0")
 os.environ.setdefault("SCREEN", "1366x768x24")
-os.environ["DISPLAY"] = ":" + first_line("Xvfb", "-displayfd", "1", "-screen", "0", os.environ["SCREEN"], "-nolisten", "tcp")
+os.environ["DISPLAY"] = ":" + first_line("Xvfb", "-displayfd", "1", "-noreset", "-screen", "0", os.environ["SCREEN"], "-nolisten", "tcp")
 os.environ["DBUS_SESSION_BUS_ADDRESS"] = first_line("dbus-daemon", "--session", "--print-address", "--nofork")
 
 import gi  # noqa: E402

@@ -78,7 +78,7 @@ class Screen:
 
     def __init__(self, folder):
         read, write = os.pipe()
-        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-ac", "-fbdir", str(folder), "-screen", "0", f"{WIDTH}x{HEIGHT}x24"],
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-noreset", "-ac", "-fbdir", str(folder), "-screen", "0", f"{WIDTH}x{HEIGHT}x24"],
                                        pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read, encoding="ascii") as line:

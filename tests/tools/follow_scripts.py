@@ -119,7 +119,7 @@ def in_kodi():
     (home / ".kodi/userdata/advancedsettings.xml").write_text(
         f"<advancedsettings version='1.0'><jsonrpc><tcpport>{port}</tcpport></jsonrpc></advancedsettings>", encoding="utf-8")
     wrapper = make_wrapper(f'"$@" --kodi=127.0.0.1:{port} --driver=bhaptics --device={vest.device}')
-    screen = start("Xvfb", "-displayfd", "1", "-screen", "0", "640x360x24", stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    screen = start("Xvfb", "-displayfd", "1", "-noreset", "-screen", "0", "640x360x24", stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     viewer = start("kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=alsa", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
                    env=dict(os.environ, HOME=str(home), PATH=f"{wrapper.parent}:{os.environ['PATH']}", LIBGL_ALWAYS_SOFTWARE="1",
                             DISPLAY=f":{screen.stdout.readline().strip()}"))
