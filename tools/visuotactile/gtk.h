@@ -67,7 +67,7 @@ clear(GtkWidget *box)
 inline void
 name(GtkWidget *widget, const char *text)
 {
-  // Since GTK 4.14, a button is labelled by its label, which has precedence.
+  // Since GTK 4.14, a button is named by its label, which has precedence.
   gtk_accessible_reset_relation(GTK_ACCESSIBLE(widget), GTK_ACCESSIBLE_RELATION_LABELLED_BY);
   gtk_accessible_update_property(GTK_ACCESSIBLE(widget), GTK_ACCESSIBLE_PROPERTY_LABEL, text, -1);
 }
